@@ -132,6 +132,13 @@ void Bodies::Sample(double time, double newest, Detail detail, std::vector<BodyS
   samples.resize(count);
 }
 
+const Track* Bodies::FindTrack(std::uint32_t body, double time) const {
+  const auto known = m_bodies.find(body);
+  if (known == m_bodies.end()) return nullptr;
+  const Track& track = ChooseForm(known->second, time).patches->front();
+  return track.Empty() ? nullptr : &track;
+}
+
 // The newest form that has begun and has a pose.
 const Bodies::Form& Bodies::ChooseForm(const Body& body, double time) {
   std::size_t chosen = body.forms.size() - 1;
@@ -142,6 +149,7 @@ const Bodies::Form& Bodies::ChooseForm(const Body& body, double time) {
 void Bodies::SampleBody(const Form& form, double time, double newest, Detail detail, BodySample& sample) {
   if (sample.blueprint != form.blueprint) sample.blueprint = form.blueprint;
   sample.vertices.clear();
+  sample.lead = {};
   sample.age = 0;
   sample.held = false;
   for (std::size_t patch = 0; patch < form.patches->size(); ++patch) {

@@ -47,6 +47,8 @@ class Bodies {
   // stalls in the statistics.
   void Sample(double time, double newest, Detail detail, std::vector<BodySample>& samples, Statistics& statistics);
   [[nodiscard]] std::size_t Count() const { return m_bodies.size(); }
+  // The first patch of the body as it is shown at `time`; nullptr where nothing is. Valid until a record comes.
+  [[nodiscard]] const Track* FindTrack(std::uint32_t body, double time) const;
 
  private:
   // A body with one blueprint, from its first record on. Successive forms with the same rest shape share their tracks.

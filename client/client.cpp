@@ -12,10 +12,12 @@
 #include <cassert>
 
 #include "client/blueprint_store.h"
+#include "client/clearance.h"
 #include "client/grounds.h"
 #include "client/input_stream.h"
 #include "client/link_judge.h"
 #include "client/news.h"
+#include "client/own_body.h"
 #include "client/snapshot_receiver.h"
 #include "client/world_time.h"
 #include "protocol/text.h"
@@ -101,6 +103,7 @@ struct Client::Implementation {
   std::uint16_t grips = 0;  // made so far
   InputStream inputs;
   double nextInput = 0;
+  OwnBody ownBody;
 
   // The handlers; any may be empty.
   std::function<void(const Event&)> onEvent;
@@ -125,6 +128,9 @@ struct Client::Implementation {
   [[nodiscard]] double EstimateTick() const;
   void SendDueInputs();
   void SendInput();
+  [[nodiscard]] bool Predicts() const;
+  void NoteInput();
+  void LeadOwnBody(std::span<BodySample> samples);
   void Ask(const protocol::Message& message);
   void MoveOn(double to);
 };
@@ -145,6 +151,7 @@ void Client::Update(double now) {
   m->EndIfLinkFails();
   if (m->state != State::kEnded) {
     m->CompleteBlueprints();
+    m->NoteInput();
     if (m->welcomed && !m->leaving) m->SendDueInputs();
     m->MoveOn(m->now);
   }
@@ -152,6 +159,11 @@ void Client::Update(double now) {
 }
 
 void Client::SetInput(const Input& input) { m->input = input; }
+
+void Client::SetPredicts(bool predicts) {
+  if (m->options.predict != predicts) m->ownBody.Forget();
+  m->options.predict = predicts;
+}
 
 void Client::SetHand(const std::optional<Hand>& hand) {
   if (!hand) {
@@ -222,7 +234,9 @@ void Client::OnSnapshot(std::function<void(const SnapshotArrival&)> handler) { m
 void Client::Sample(double now, Detail detail, std::vector<BodySample>& samples) {
   m->now = std::max(now, m->now);
   m->MoveOn(m->now);
+  m->NoteInput();
   m->snapshots.Sample(detail, samples);
+  if (m->Predicts()) m->LeadOwnBody(samples);
 }
 
 std::optional<protocol::Pose> Client::NewestPose(std::uint32_t body) const { return m->snapshots.Poses().Find(body); }
@@ -370,6 +384,7 @@ bool Client::Implementation::HandleWelcome(const wire::Welcome& message) {
   welcome.workshop = message.workshop();
   welcome.ownBlueprint = message.own_blueprint();
   welcome.rank = message.rank();
+  if (message.drive() != nullptr) welcome.drive = *message.drive();
   grounds.Expect(welcome.heightFields);
   blueprints.Expect(welcome.blueprintCount);
 
@@ -391,6 +406,7 @@ bool Client::Implementation::HandleNextScene(const wire::NextScene& message) {
   hand.reset();
   blueprints.ForgetScene();
   snapshots.ForgetScene();
+  ownBody.Forget();
   if (!leaving) SayHello();
   if (onNextScene) onNextScene(protocol::MakeLine(message.scene()->string_view(), protocol::kMaxShownBytes));
   return true;
@@ -418,6 +434,9 @@ void Client::Implementation::HandleSnapshot(std::span<const std::uint8_t> bytes)
   // there is no blueprint either.
   if (welcomed) {
     const double inputToSnapshot = inputs.MeasureEcho(head->inputTick, now);
+    // It acts from the beginning of the tick.
+    const double lag = time.TimeOf(head->tick) - time.TimeOf(head->inputTick) - time.TickSeconds();
+    if (head->inputTick != 0) statistics.inputLag = ownBody.NoteLag(lag);
     const SnapshotArrival arrival = time.AddSnapshot(*head, inputToSnapshot, now, statistics);
     if (onSnapshot) onSnapshot(arrival);
   }
@@ -449,6 +468,35 @@ void Client::Implementation::SendInput() {
                                             .downloaded = blueprints.CountTaken()});
   const auto sent = transport->Send(connection, transport::Channel::kInput, message);
   if (sent == transport::SendResult::kQueued) ++statistics.inputsSent;
+}
+
+bool Client::Implementation::Predicts() const {
+  return options.predict && state == State::kPlaying && welcome.ownBody != 0 && welcome.drive.speed() > 0;
+}
+
+void Client::Implementation::NoteInput() {
+  if (!Predicts()) return;
+  const Track* track = snapshots.FindTrack(welcome.ownBody);
+  const bool isBorne = track != nullptr && IsBorne(*track, news.tuning.gravity.z);
+  ownBody.NoteInput(welcome.drive, input, time.ServerTime(now), isBorne);
+}
+
+void Client::Implementation::LeadOwnBody(std::span<BodySample> samples) {
+  const auto own = std::lower_bound(samples.begin(), samples.end(), welcome.ownBody,
+                                    [](const BodySample& sample, std::uint32_t body) { return sample.body < body; });
+  const Track* track = snapshots.FindTrack(welcome.ownBody);
+  if (own == samples.end() || own->body != welcome.ownBody || track == nullptr) return;
+  const Surroundings surroundings{.obstacles = welcome.obstacles,
+                                  .grounds = grounds.All(),
+                                  .bodies = samples,
+                                  .own = welcome.ownBody,
+                                  .size = own->blueprint->size};
+  const OwnBody::Base base = FindBase(*track, time.Playback(), news.tuning.gravity.z);
+  const protocol::Vector3 wanted = ownBody.Follow(welcome.drive, base, time.ServerTime(now), news.tuning.gravity.z);
+  const protocol::Vector3 lead = ownBody.GiveWay(ClearLead(surroundings, base.centroid, wanted));
+  own->lead = lead;
+  own->pose.centroid = own->pose.centroid + lead;
+  for (protocol::Vector3& vertex : own->vertices) vertex = vertex + lead;
 }
 
 void Client::Implementation::Ask(const protocol::Message& message) {

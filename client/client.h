@@ -34,6 +34,8 @@ struct Options {
   std::string name = "player";  // at most protocol::kMaxNameBytes bytes of UTF-8
   bool spectator = false;       // sees the world but has no body
   bool decode = true;           // false: reads poses only, no shapes (for load tests); Sample then shows nothing
+  // Shows the own body ahead of the others by what inputs will do that no record has in it yet; see BodySample::lead.
+  bool predict = true;
   Curve curve = Curve::kCatmullRom;
   // Blueprints that the server need not send again; may be null. Of more than protocol::kMaxKeptBlueprints or
   // kMaxKeptBytes the first count.
@@ -103,6 +105,8 @@ struct BodySample {
   std::shared_ptr<const Blueprint> blueprint;
   protocol::Pose pose;
   std::vector<protocol::Vector3> vertices;  // world, metres; empty for kPosesOnly
+  // How far the own body is shown from where its records have it, metres; in pose and vertices already. Else 0.
+  protocol::Vector3 lead;
   double age = 0;     // seconds of world time from the newest record used to the newest tick known
   bool held = false;  // no record arrived in time: shown as it was last
 };
@@ -165,6 +169,8 @@ class Client {
 
   // Sent with the next Update.
   void SetInput(const Input& input);
+  // As Options::predict, from the next Sample on.
+  void SetPredicts(bool predicts);
   // nullopt opens the hand. Another body or vertex than before begins a new grip.
   void SetHand(const std::optional<Hand>& hand);
 

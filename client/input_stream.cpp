@@ -14,16 +14,16 @@ namespace {
 constexpr std::uint64_t kMaxStampLead = 1;
 constexpr double kLastTick = 4294967295.0;
 
-std::int8_t ToAxis(float value) {
-  if (std::isnan(value)) return 0;
-  return static_cast<std::int8_t>(std::lround(std::clamp(value, -1.0F, 1.0F) * 127.0F));
-}
-
 std::uint8_t ToButtons(const Input& input) {
   return static_cast<std::uint8_t>((input.jump ? 1 : 0) | (input.puff ? 2 : 0) | (input.stiffen ? 4 : 0));
 }
 
 }  // namespace
+
+std::int8_t RoundAxis(float value) {
+  if (std::isnan(value)) return 0;
+  return static_cast<std::int8_t>(std::lround(std::clamp(value, -1.0F, 1.0F) * 127.0F));
+}
 
 void InputStream::Add(const Input& input, double estimatedTick, double now) {
   const auto estimated = static_cast<std::uint64_t>(std::clamp(std::floor(estimatedTick), 0.0, kLastTick));
@@ -34,7 +34,7 @@ void InputStream::Add(const Input& input, double estimatedTick, double now) {
 
   std::copy_backward(m_frames.begin(), m_frames.end() - 1, m_frames.end());
   const auto tick = static_cast<std::uint32_t>(stamp);
-  m_frames[0] = wire::InputFrame(tick, ToAxis(input.moveX), ToAxis(input.moveY), ToButtons(input));
+  m_frames[0] = wire::InputFrame(tick, RoundAxis(input.moveX), RoundAxis(input.moveY), ToButtons(input));
   m_count = std::min(m_count + 1, m_frames.size());
   m_sent[tick % kRemembered] = {tick, now};
 }

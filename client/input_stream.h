@@ -10,6 +10,9 @@
 
 namespace wobble::client {
 
+// An axis of an input, -1 to 1, as it is sent: times 127.
+[[nodiscard]] std::int8_t RoundAxis(float value);
+
 class InputStream {
  public:
   // Makes the frame of this moment. estimatedTick: of the server. No frame is made, and the last ones stay, when its

@@ -142,6 +142,8 @@ Moment Track::FindMoment(double time) const {
   return next == 0 ? Still(m_slots[0]) : Interpolate(next, time);
 }
 
+Vector3 Track::FindCentroid(double time) const { return BlendPose(FindMoment(time)).centroid; }
+
 Moment Track::Extrapolate(double time) const {
   const TrackSample& last = m_slots[m_count - 1];
   const double beyond = time - last.time;

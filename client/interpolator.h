@@ -49,6 +49,8 @@ class Track {
   [[nodiscard]] const TrackSample& Newest() const;
   // The track must not be empty. Before its first sample a patch is shown as in that sample.
   [[nodiscard]] Moment FindMoment(double time) const;
+  // The centroid of that moment's pose. Not inlined: the code of a curve is large.
+  [[nodiscard, gnu::noinline]] protocol::Vector3 FindCentroid(double time) const;
 
  private:
   [[nodiscard]] static double FindDeparture(const TrackSample& from, const TrackSample& to);

@@ -48,6 +48,8 @@ class SnapshotReceiver {
 
   // All bodies at the moment that is shown.
   void Sample(Detail detail, std::vector<BodySample>& samples);
+  // See Bodies::FindTrack, at the moment that is shown.
+  [[nodiscard]] const Track* FindTrack(std::uint32_t body) const { return m_bodies.FindTrack(body, m_time.Playback()); }
   [[nodiscard]] const NewestPoses& Poses() const { return m_newestPoses; }
   // For the acknowledgement.
   [[nodiscard]] const protocol::ReceivedWindow& Received() const { return m_received; }

@@ -61,6 +61,8 @@ typedef struct wobble_client wobble_client;
 enum {
   WOBBLE_SPECTATE = 1 << 0,   // sees the world without a body
   WOBBLE_NO_REJOIN = 1 << 1,  // ends when the connection is lost; otherwise it tries for a minute to come back
+  // Shows the own body as the server has it, like all others; otherwise it is shown ahead of them: wobble_body.lead.
+  WOBBLE_NO_PREDICTION = 1 << 2,
 };
 
 // At most one of password, token and invite.
@@ -192,6 +194,10 @@ typedef struct wobble_body {
   const float* normals;
   const uint16_t* faces;  // three vertices each, from 0 in this body
   const uint16_t* edges;  // two each
+  // Of the own body: how far it is shown from where the server had it at the moment that is shown, by what the input
+  // will do. It is in the centroid and the positions already.
+  float lead[3];
+  uint32_t reserved;
 } wobble_body;
 // index: from 0 to body_count - 1 of the last sample; bodies are in ascending order.
 WOBBLE_API wobble_result wobble_read_body(const wobble_client* client, uint32_t index, wobble_body* body);

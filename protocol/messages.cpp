@@ -101,7 +101,8 @@ Message MakeWelcome(const WelcomeFields& fields) {
       builder,
       wire::CreateWelcome(builder, fields.clientId, fields.ownBody, fields.tick, fields.tickHz, fields.snapshotHz,
                           scene, fields.blueprintCount, obstacles, heightFields, fields.hands, fields.reach, game,
-                          fields.workshop, fields.ownBlueprint, fields.rank));
+                          fields.workshop, fields.ownBlueprint, fields.rank,
+                          fields.drive.speed() > 0 ? &fields.drive : nullptr));
 }
 
 Message MakeBlueprintChunk(std::uint8_t blueprint, std::uint64_t hash, std::uint32_t total, std::uint32_t offset,

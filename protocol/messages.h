@@ -99,6 +99,7 @@ struct WelcomeFields {
   std::uint32_t workshop = 0;  // body; 0: none
   std::uint8_t ownBlueprint = 0;
   wire::Rank rank = wire::Rank::Player;
+  wire::Drive drive = {};  // of the own body; a speed of 0: none
 };
 [[nodiscard]] Message MakeWelcome(const WelcomeFields& fields);
 // bytes: at most kBlueprintChunkBytes; none, with an offset of `total`, for a blueprint that the client has kept.

@@ -111,6 +111,12 @@ bool IsGood(const wire::HeightField& field) {
          IsInWorld(lowest + field.step() * 65535.0F);
 }
 
+// Also what no scene would have, so that a client may compute with it.
+bool IsGood(const wire::Drive& drive) {
+  const auto isGood = [](float number) { return number >= 0 && IsInWorld(number); };
+  return isGood(drive.acceleration()) && isGood(drive.speed()) && isGood(drive.jump_speed());
+}
+
 ParseResult CheckWelcome(const wire::Welcome& welcome) {
   if (welcome.scene() == nullptr || welcome.obstacles() == nullptr || welcome.height_fields() == nullptr ||
       welcome.game() == nullptr) {
@@ -119,7 +125,7 @@ ParseResult CheckWelcome(const wire::Welcome& welcome) {
   if (welcome.tick_hz() == 0 || welcome.snapshot_hz() == 0 || welcome.blueprint_count() > kMaxBlueprints ||
       welcome.obstacles()->size() > kMaxObstacles || welcome.height_fields()->size() > kMaxHeightFields ||
       welcome.hands() > 15 || !(welcome.reach() >= 0.0F) || welcome.game()->size() > kMaxNameBytes ||
-      !IsKnown(welcome.rank(), wire::Rank::MAX) ||
+      !IsKnown(welcome.rank(), wire::Rank::MAX) || (welcome.drive() != nullptr && !IsGood(*welcome.drive())) ||
       (welcome.own_blueprint() >= welcome.blueprint_count() && welcome.blueprint_count() > 0)) {
     return ParseResult::kOutOfRange;
   }

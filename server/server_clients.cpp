@@ -131,6 +131,7 @@ void Server::SendWelcome(Session& session) {
   fields.workshop = m_stage->playground.ReadWorkshop() != nullptr ? m_stage->playground.ReadWorkshop()->Body() : 0;
   fields.rank = static_cast<protocol::wire::Rank>(session.admission.rank);
   fields.ownBlueprint = static_cast<std::uint8_t>(m_stage->playground.Scene().player.blueprint);
+  if (session.body != 0) fields.drive = CaptureDrive(m_stage->playground.Scene());
   const auto send = [&](const protocol::Message& message) {
     if (m_transport->Send(session.connection, Channel::kControl, message) != transport::SendResult::kQueued) {
       spdlog::warn("client {}: could not be welcomed", session.clientId);

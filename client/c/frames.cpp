@@ -114,7 +114,9 @@ std::optional<wobble_body> Frames::Find(std::uint32_t index) const {
                      .positions = Floats(sample.vertices),
                      .normals = Floats(skin.normals),
                      .faces = Numbers(blueprint.faces),
-                     .edges = Numbers(blueprint.edges)};
+                     .edges = Numbers(blueprint.edges),
+                     .lead = {sample.lead.x, sample.lead.y, sample.lead.z},
+                     .reserved = 0};
 }
 
 const client::Blueprint* Frames::FindBlueprint(std::uint32_t body) const {

@@ -82,6 +82,7 @@ EMSCRIPTEN_KEEPALIVE void SetInput(Session* session, float moveX, float moveY, u
                               .puff = (buttons & 2) != 0,
                               .stiffen = (buttons & 4) != 0});
 }
+EMSCRIPTEN_KEEPALIVE void SetPredicts(Session* session, bool predicts) { session->Client().SetPredicts(predicts); }
 
 // Reports of the server.
 EMSCRIPTEN_KEEPALIVE const void* TakeNotice(Session* session) { return session->TakeNotice(); }

@@ -125,6 +125,12 @@ std::uint8_t CaptureHands(const scenes::Scene& scene) {
                                    (scene.workshop.isOpen ? protocol::kMayBuild : 0));
 }
 
+protocol::wire::Drive CaptureDrive(const scenes::Scene& scene) {
+  const physics::ControlLimits& limits = scene.player.limits;
+  return {static_cast<float>(limits.acceleration), static_cast<float>(limits.speed),
+          static_cast<float>(limits.jumpSpeed)};
+}
+
 protocol::TuningFields CaptureTuning(const Tuning& tuning, double timeRate, bool isSpectator, bool isHost) {
   using Kind = TuneCommand::Kind;
   const auto bit = [&](Kind kind, std::uint8_t value) {

@@ -63,6 +63,8 @@ struct BlueprintTags {
 
 // The hand permissions of a scene as the bits of the welcome (protocol::kMayGrab ...).
 [[nodiscard]] std::uint8_t CaptureHands(const scenes::Scene& scene);
+// How players' bodies answer to inputs.
+[[nodiscard]] protocol::wire::Drive CaptureDrive(const scenes::Scene& scene);
 
 // The tuned values, and what one player may tune (none: a spectator may tune nothing). timeRate: world seconds per
 // second.

@@ -295,7 +295,7 @@ def is_welcome_good(welcome):
     halves = obstacles['b'][obstacles['kind'] == 1]
     return bool(welcome['tick_hz'] > 0 and welcome['snapshot_hz'] > 0 and welcome['blueprint_count'] <= 255
                 and len(obstacles) <= 1024 and len(fields) <= 16 and welcome['hands'] <= 15 and welcome['reach'] >= 0
-                and len(welcome['game']) <= 32 and welcome['rank'] <= 3
+                and len(welcome['game']) <= 32 and welcome['rank'] <= 3 and is_drive_good(welcome['drive'])
                 and (welcome['own_blueprint'] < welcome['blueprint_count'] or welcome['blueprint_count'] == 0)
                 and is_in_world(obstacles)
                 and (abs(lengths - 1) <= 1e-3).all() and all((halves[axis] >= 0).all() for axis in 'xyz')
@@ -303,6 +303,10 @@ def is_welcome_good(welcome):
                 and is_in_world(fields) and is_in_world(lowest) and is_in_world(highest)
                 and all(((fields[name] >= 2) & (fields[name] <= 128)).all() for name in ('columns', 'rows'))
                 and (fields['cell_size'] > 0).all() and (fields['step'] >= 0).all())
+
+
+def is_drive_good(drive):
+    return drive is None or all(0 <= drive[name] <= 8192 for name in drive.dtype.names)
 
 
 def is_chunk_good(chunk):

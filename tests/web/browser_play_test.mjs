@@ -4,7 +4,7 @@
 import assert from 'node:assert';
 import { after, before } from 'node:test';
 
-import { compareScreenshots, findBody, findOwn, joinPage, probe, startBots, startBrowser, startWorld }
+import { compareScreenshots, findBody, findOwn, joinPage, probe, startBots, startBrowser, startWorld, waitForPlaying }
   from './support/browser.mjs';
 import { sleep, test, waitFor } from './support/programs.mjs';
 
@@ -110,6 +110,53 @@ test('a finger on the stick moves the body', () =>
     await waitFor('a jump', async () => (await probe(page, 'position', body)).z > 1.3);
     await touch('touchEnd');
   }, { viewport: { width: 390, height: 780 }, hasTouch: true, isMobile: true }));
+
+// Milliseconds from the event of a key to the frame that shows the body elsewhere, and those of the longest frame between.
+async function measureAnswer(page, body, key) {
+  const answer = page.tab.evaluate((body) => new Promise((resolve) => {
+    addEventListener('keydown', (event) => {
+      const from = window.wobble.position(body);
+      let last = event.timeStamp;
+      let longest = 0;
+      const look = () => {
+        const now = performance.now();
+        longest = Math.max(longest, now - last);
+        last = now;
+        const { x, y } = window.wobble.position(body);
+        if (Math.hypot(x - from.x, y - from.y) < 0.0025) requestAnimationFrame(look);
+        else resolve({ ms: now - event.timeStamp, frame: longest });
+      };
+      requestAnimationFrame(look);
+    }, { capture: true, once: true });
+  }), body);
+  await page.tab.keyboard.down(key);
+  const { ms, frame } = await answer;
+  await page.tab.keyboard.up(key);
+  return { ms, frame };
+}
+
+test('with 100 ms of round trip the own body answers a key within 50 ms and a frame', async () => {
+  const world = await startWorld('arena', ['--untrained'], 'delay=50ms');
+  const page = await joinPage(browser, world.host);
+  const { body } = await findOwn(page);
+  const isPressed = () => page.tab.getByRole('button', { name: 'Show your own body at once' }).getAttribute('aria-pressed');
+  await waitForRest(page, body, 0.002);
+  const { ms, frame } = await measureAnswer(page, body, 'KeyW');
+  assert.ok(ms < 50 + frame, `${ms} ms with frames of up to ${frame} ms`);
+  await page.tab.keyboard.press('KeyV');
+  assert.equal(await isPressed(), 'true');
+  await page.tab.getByRole('button', { name: 'Show your own body at once' }).click();
+  assert.equal(await isPressed(), 'false');
+  await waitForRest(page, body, 0.002);
+  const late = await measureAnswer(page, body, 'KeyS');
+  assert.ok(late.ms > 130, `without it ${late.ms} ms`);
+  await page.tab.reload();
+  await waitForPlaying(page.tab);
+  assert.equal(await isPressed(), 'false', 'it is kept');
+  assert.deepEqual(page.complaints, []);
+  await page.leave();
+  await world.stop();
+});
 
 test('what one grabs and lifts rises for the others too', () =>
   play('arena', async (page, other) => {

@@ -262,6 +262,14 @@ export class Client {
     this.m_module._SetInput(this.m_session, moveX, moveY, buttons);
   }
 
+  /**
+   * Whether the own body is shown ahead of the others by what the input will do to it; so it is from the start. False:
+   * it waits for the server, as the others do.
+   */
+  setPredicts(predicts: boolean): void {
+    this.m_module._SetPredicts(this.m_session, predicts);
+  }
+
   /** The hand holds this vertex of the body and pulls it to `target`, until the next call; null opens it. */
   setHand(hand: { body: number; vertex: number; target: Vector } | null): void {
     if (hand === null) {

@@ -50,5 +50,6 @@ export interface WobbleModule {
   _RestartDecodedHash(session: number): void;
   _ReadDecodedHash(session: number, upper: boolean): number;
   _SetInput(session: number, moveX: number, moveY: number, buttons: number): void;
+  _SetPredicts(session: number, predicts: boolean): void;
 }
 export default function createModule(options?: { wasmBinary?: Uint8Array }): Promise<WobbleModule>;

@@ -302,8 +302,9 @@ export class App {
     for (let text = client.takeNotice(); text !== null; text = client.takeNotice()) {
       if (!this.m_film.TakeNotice(text) && !this.m_invite.TakeNotice(text)) this.m_toasts.Add(text, true);
     }
-    client.sample();
+    client.setPredicts(this.m_view.predicts);
     this.MoveBody(client, seconds);
+    client.sample();
     this.bodies.selectedParticle = this.m_build.selectedParticle;
     this.bodies.selectedSpring = this.m_build.selectedSpring;
     this.bodies.Update(client);

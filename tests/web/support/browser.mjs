@@ -6,7 +6,7 @@ import assert from 'node:assert';
 import path from 'node:path';
 import { createRequire } from 'node:module';
 
-import { Program, startGateway, startServerOn, waitFor } from './programs.mjs';
+import { Program, startGateway, startRelay, startServerOn, waitFor } from './programs.mjs';
 
 const root = new URL('../../../', import.meta.url);
 const { chromium } = createRequire(new URL('client/page/package.json', root))('playwright-core');
@@ -35,12 +35,13 @@ export const startBrowser = () =>
   });
 
 // Starts a server with this scene and a gateway to it: { address, server, host, stop }. Untrained by default, since
-// shapes seldom matter here and training takes a second.
-export async function startWorld(scene, options = ['--untrained']) {
+// shapes seldom matter here and training takes a second. link: conditions of a relay between them; empty: none.
+export async function startWorld(scene, options = ['--untrained'], link = '') {
   const { program: server, address } = await startServerOn(0, '--scene', scene, ...options);
-  const { program, host } = await startGateway(address, pageFolder);
+  const relay = link === '' ? null : await startRelay(address, link);
+  const { program, host } = await startGateway(relay?.address ?? address, pageFolder);
   const world = { address, server, host };
-  world.stop = () => Promise.all([program.stop(), world.server.stop()]);
+  world.stop = () => Promise.all([program.stop(), relay?.program.stop(), world.server.stop()]);
   return world;
 }
 

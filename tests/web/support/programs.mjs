@@ -86,6 +86,13 @@ export async function startServer(...options) {
   return { program, address, countClients };
 }
 
+// Starts a relay to a server over a bad network: { program, address }.
+export async function startRelay(server, conditions) {
+  const program = new Program('wobble', ['link', '--listen', '0', '--bind', '127.0.0.1', '--to', server, conditions]);
+  const line = await program.waitForLine(/^relaying UDP port \d+/);
+  return { program, address: `127.0.0.1:${/port (\d+)/.exec(line)[1]}` };
+}
+
 // Starts a gateway: { program, host }; host is the address for a browser.
 export async function startGateway(server, page, ...options) {
   const program = new Program('wobble', ['gateway', '--http', '0', '--server', server, '--page', page, ...options]);

@@ -1,4 +1,4 @@
-// The display of bodies: the forces on one body by kind, and springs in place of surfaces.
+// The display of bodies: the forces on one body by kind, springs in place of surfaces, and the own body ahead of the others.
 import { kForceColours } from '../scene/arrows';
 import { ForceKind } from 'wobble-client';
 import { MakeButton, MakeElement, SetPressed, SetText } from './element';
@@ -12,14 +12,36 @@ const kForces = [
   ForceKind.Other,
 ];
 
+const kPredictKey = 'wobble.predict';
+
+// ?predict=0 or 1 comes before what was chosen here.
+function ReadPredicts(): boolean {
+  const asked = new URLSearchParams(location.search).get('predict');
+  try {
+    return (asked ?? localStorage.getItem(kPredictKey)) !== '0';
+  } catch {
+    return asked !== '0';
+  }
+}
+
+function KeepPredicts(predicts: boolean): void {
+  try {
+    localStorage.setItem(kPredictKey, predicts ? '1' : '0');
+  } catch {
+    // Without storage the choice is not kept.
+  }
+}
+
 export class ViewPanel {
   readonly element = MakeElement('section', 'panel rows');
   readonly shown = new Set<ForceKind>();
   showsSurface = true;
+  predicts = ReadPredicts();
   onChange: () => void = () => {};
   private readonly m_forces: HTMLButtonElement;
   private readonly m_accelerations: HTMLButtonElement;
   private readonly m_surface: HTMLButtonElement;
+  private readonly m_predicts: HTMLButtonElement;
   private readonly m_legend = MakeElement('div', 'legend');
   private readonly m_of = MakeElement('div', 'note');
 
@@ -31,10 +53,15 @@ export class ViewPanel {
       this.Toggle([ForceKind.Acceleration]),
     );
     this.m_surface = MakeButton('Surface', 'Show surfaces; off: the springs beneath', 'X', () => this.ToggleSurface());
+    this.m_predicts = MakeButton('No delay', 'Show your own body at once as you move; off: as the server has it', '', () => {
+      this.predicts = !this.predicts;
+      KeepPredicts(this.predicts);
+      this.Show();
+    });
     const first = MakeElement('div', 'row');
     first.append(this.m_forces, this.m_accelerations);
     const second = MakeElement('div', 'row');
-    second.append(this.m_surface);
+    second.append(this.m_surface, this.m_predicts);
     this.MakeLegend();
     this.element.append(MakeElement('h2', '', 'View'), first, this.m_legend, this.m_of, second);
     this.Show();
@@ -63,6 +90,7 @@ export class ViewPanel {
     SetPressed(this.m_forces, this.shown.has(ForceKind.Elastic));
     SetPressed(this.m_accelerations, this.shown.has(ForceKind.Acceleration));
     SetPressed(this.m_surface, this.showsSurface);
+    SetPressed(this.m_predicts, this.predicts);
     this.m_legend.hidden = !this.shown.has(ForceKind.Elastic);
     this.onChange();
   }
