@@ -74,7 +74,7 @@ class Match {
     };
     const auto control = [&](const protocol::Message& message) { say(transport::Channel::kControl, message); };
     const auto place = [&] { return protocol::Vector3{TakeLength(feed), TakeLength(feed), TakeLength(feed)}; };
-    switch (choice % 12) {
+    switch (choice % 16) {
       case 0:
         return Run(1 + feed.TakeByte() % 8);
       case 1:
@@ -106,6 +106,12 @@ class Match {
         static_cast<void>(m_server.SetRank(1 + feed.TakeByte() % 3, static_cast<transport::Rank>(feed.TakeByte() % 4)));
         return;
       case 10:
+        return control(protocol::MakeSay(feed.TakeText().substr(0, protocol::kMaxSaidBytes)));
+      case 11:
+        return control(protocol::MakeRename(feed.TakeText().substr(0, protocol::kMaxNameBytes)));
+      case 12:
+        return control(protocol::MakeEmote(static_cast<protocol::wire::EmoteKind>(feed.TakeByte() % 6)));
+      case 13:
         return say(static_cast<transport::Channel>(feed.TakeByte() % 3), feed.TakeSome());
       default:
         return control(protocol::MakeClientGoodbye(protocol::wire::GoodbyeReason::Left, feed.TakeText()));

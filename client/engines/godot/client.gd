@@ -289,7 +289,7 @@ func _take_event(message, body):
 	var kind = message.u8_field(body, 0)
 	var tick = message.u32_field(body, 1)
 	var number = message.u32_field(body, 3)
-	if message.broken or kind > 4:
+	if message.broken or kind > 7:
 		return false
 	if kind == 2 and bodies.has(number):
 		bodies[number].respawn = tick
