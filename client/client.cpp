@@ -176,7 +176,9 @@ void Client::Inspect(std::uint32_t body) { m->Ask(protocol::MakeInspect(body)); 
 void Client::Order(const std::string& line) {
   m->Ask(protocol::MakeOrder(std::string_view(line).substr(0, protocol::kMaxOrderBytes)));
 }
-void Client::Say(const std::string& text) { m->Ask(protocol::MakeSay(protocol::MakeLine(text, protocol::kMaxSaidBytes))); }
+void Client::Say(const std::string& text) {
+  m->Ask(protocol::MakeSay(protocol::MakeLine(text, protocol::kMaxSaidBytes)));
+}
 void Client::Emote(wire::EmoteKind kind) { m->Ask(protocol::MakeEmote(kind)); }
 void Client::Rename(const std::string& name) {
   m->options.name = protocol::MakeLine(name, protocol::kMaxNameBytes);
@@ -376,9 +378,8 @@ bool Client::Implementation::HandleWelcome(const wire::Welcome& message) {
   welcome.workshop = message.workshop();
   welcome.ownBlueprint = message.own_blueprint();
   welcome.rank = message.rank();
-  welcome.description =
-      protocol::MakeLine(message.description() == nullptr ? "" : message.description()->string_view(),
-                         protocol::kMaxDescriptionBytes);
+  welcome.description = protocol::MakeLine(message.description() == nullptr ? "" : message.description()->string_view(),
+                                           protocol::kMaxDescriptionBytes);
   welcome.talk = message.talk();
   grounds.Expect(welcome.heightFields);
   blueprints.Expect(welcome.blueprintCount);

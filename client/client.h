@@ -178,8 +178,8 @@ class Client {
            const protocol::Vector3& to);
   // From now on ReadForces is about this body; 0: about none.
   void Inspect(std::uint32_t body);
-  // Says a line to everybody, of at most protocol::kMaxSaidBytes; more is cut. A player may say one a second, and four at
-  // once.
+  // Says a line to everybody, of at most protocol::kMaxSaidBytes; more is cut. A player may say one a second, and four
+  // at once.
   void Say(const std::string& text);
   // Shows a sign over the own body for some seconds; it counts as a line does.
   void Emote(wire::EmoteKind kind);
@@ -249,7 +249,7 @@ class Client {
     wire::EventKind kind;
     std::uint32_t clientId = 0;
     std::uint32_t body = 0;
-    std::string name;                              // of Said: the line
+    std::string name;                               // of Said: the line
     wire::EmoteKind emote = wire::EmoteKind::Wave;  // of Emote
   };
   // Handlers are called inside Update.

@@ -101,16 +101,16 @@ enum { WOBBLE_MAY_SAY = 1 << 0, WOBBLE_MAY_EMOTE = 1 << 1 };
 
 typedef struct wobble_status {
   uint32_t struct_size;
-  int32_t state;           // WOBBLE_JOINING ...
-  int32_t ended_unasked;   // 1: has ended, and not by wobble_leave
-  uint32_t client_id;      // of this player, as in events
-  uint32_t own_body;       // 0: none
-  uint32_t hands;          // what the scene lets players do: WOBBLE_MAY_GRAB ...
-  float reach;             // of hands, from the own body's centroid; 0: any distance
-  float pace;              // how fast the world runs; less than 1 when the server is overloaded
-  const char* scene;       // its name. This and the other texts: valid until the next call with this client
-  const char* reason;      // one line for people; "" when there is nothing to say
-  const char* server_key;  // of the server, for wobble_connect_options the next time; "" before it plays
+  int32_t state;            // WOBBLE_JOINING ...
+  int32_t ended_unasked;    // 1: has ended, and not by wobble_leave
+  uint32_t client_id;       // of this player, as in events
+  uint32_t own_body;        // 0: none
+  uint32_t hands;           // what the scene lets players do: WOBBLE_MAY_GRAB ...
+  float reach;              // of hands, from the own body's centroid; 0: any distance
+  float pace;               // how fast the world runs; less than 1 when the server is overloaded
+  const char* scene;        // its name. This and the other texts: valid until the next call with this client
+  const char* reason;       // one line for people; "" when there is nothing to say
+  const char* server_key;   // of the server, for wobble_connect_options the next time; "" before it plays
   const char* description;  // of the scene, one line; "" if it has none
   uint32_t talk;            // what this player may tell the others: WOBBLE_MAY_SAY, WOBBLE_MAY_EMOTE
   uint32_t reserved;

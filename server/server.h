@@ -54,7 +54,7 @@ struct Counts {
   std::uint64_t said = 0;           // lines of players that went to everybody
   std::uint64_t emotes = 0;
   std::uint64_t renames = 0;
-  std::uint64_t talkRefused = 0;    // lines, emotes and renames that did not go through, by any reason
+  std::uint64_t talkRefused = 0;  // lines, emotes and renames that did not go through, by any reason
   std::size_t clientsPeak = 0;
   std::array<std::uint64_t, kDropReasonCount> dropped{};           // messages, by DropReason
   std::array<std::uint64_t, protocol::kParseResultCount> parse{};  // messages of kParse, by ParseResult

@@ -1,8 +1,8 @@
-// The part of the server that lets players tell one another something: lines, emotes, and new names. Nothing of it enters
-// the world, so recordings have none of the lines and emotes; a new name they have, since it stands over a body.
+// The part of the server that lets players tell one another something: lines, emotes, and new names. Nothing of it
+// enters the world, so recordings have none of the lines and emotes; a new name they have, since it stands over a body.
 //
-// A line goes to all, so what one client sends costs a message for each: there is a measure for each client, and one for
-// all together, by which a crowd of clients takes no more of a tick than a few would.
+// A line goes to all, so what one client sends costs a message for each: there is a measure for each client, and one
+// for all together, by which a crowd of clients takes no more of a tick than a few would.
 #include <spdlog/spdlog.h>
 
 #include "server/names.h"

@@ -46,8 +46,8 @@ struct SecondWindow {
   }
 };
 
-// So many events a second, up to `most` at once: a second's unless said otherwise. After a pause of the server all that came meanwhile is there at
-// once: most of it is dropped, and what follows at an honest rate is not.
+// So many events a second, up to `most` at once: a second's unless said otherwise. After a pause of the server all that
+// came meanwhile is there at once: most of it is dropped, and what follows at an honest rate is not.
 struct Allowance {
   double left = -1;         // events; below 0: none has come yet
   double countedAt = 0;     // s
@@ -103,9 +103,9 @@ struct Session {
   physics::BodyId inspected = 0;    // whose forces the client is sent; 0: none
   Allowance commands;
   Allowance inputsTaken;
-  Allowance talk;           // lines and emotes
+  Allowance talk;  // lines and emotes
   Allowance renames;
-  std::string talkRefusal;  // that the client was told last; empty: since then it was heard
+  std::string talkRefusal;                             // that the client was told last; empty: since then it was heard
   unsigned maxInputs = protocol::kMaxInputsPerSecond;  // a second
   SecondWindow badMessages;
   Subscription subscription;

@@ -82,6 +82,7 @@ class Watch {
 
   void ReadKeys(double now);
   [[nodiscard]] bool TakeLine(const KeyEvent& event);
+  void Send(const std::string& line);
   void FollowNext();
   void NoteEvent(const client::Client::Event& event);
   void NoteNextScene(const std::string& scene);
@@ -278,7 +279,7 @@ bool Watch::TakeLine(const KeyEvent& event) {
   constexpr char32_t kControlC = 3, kControlZ = 26;
   if (!IsPlaying() || event.key == kControlC || event.key == kControlZ) return false;
   if (m_line.IsOpen()) {
-    if (const auto line = m_line.Take(event); line && !line->empty()) Client().Say(*line);
+    if (const auto line = m_line.Take(event); line && !line->empty()) Send(*line);
     return event.key != kReleasesReported;  // which is no key
   }
   const bool opens = event.key == kKeyEnter && !event.released && (Client().Welcome().talk & protocol::kMaySay) != 0;
@@ -286,6 +287,14 @@ bool Watch::TakeLine(const KeyEvent& event) {
   m_controls.ReleaseAll();
   m_line.Open();
   return true;
+}
+
+void Watch::Send(const std::string& line) {
+  if (line[0] == '/') {
+    Client().Order(line.substr(1));
+  } else {
+    Client().Say(line);
+  }
 }
 
 void Watch::FollowNext() {

@@ -74,7 +74,8 @@ class Match {
     };
     const auto control = [&](const protocol::Message& message) { say(transport::Channel::kControl, message); };
     const auto place = [&] { return protocol::Vector3{TakeLength(feed), TakeLength(feed), TakeLength(feed)}; };
-    switch (choice % 16) {
+    if (choice >= 192) return Talk(feed, client);
+    switch (choice % 12) {
       case 0:
         return Run(1 + feed.TakeByte() % 8);
       case 1:
@@ -106,12 +107,6 @@ class Match {
         static_cast<void>(m_server.SetRank(1 + feed.TakeByte() % 3, static_cast<transport::Rank>(feed.TakeByte() % 4)));
         return;
       case 10:
-        return control(protocol::MakeSay(feed.TakeText().substr(0, protocol::kMaxSaidBytes)));
-      case 11:
-        return control(protocol::MakeRename(feed.TakeText().substr(0, protocol::kMaxNameBytes)));
-      case 12:
-        return control(protocol::MakeEmote(static_cast<protocol::wire::EmoteKind>(feed.TakeByte() % 6)));
-      case 13:
         return say(static_cast<transport::Channel>(feed.TakeByte() % 3), feed.TakeSome());
       default:
         return control(protocol::MakeClientGoodbye(protocol::wire::GoodbyeReason::Left, feed.TakeText()));
@@ -138,6 +133,15 @@ class Match {
   static float TakeLength(Feed& feed) {
     const auto number = feed.Take<std::int16_t>();
     return number == 32767 ? feed.Take<float>() : static_cast<float>(number) / 4096;
+  }
+  static void Talk(Feed& feed, transport::Transport& client) {
+    const std::uint8_t choice = feed.TakeByte();
+    const std::string text = feed.TakeText();
+    const protocol::Message message = choice % 3 == 0 ? protocol::MakeSay(text.substr(0, protocol::kMaxSaidBytes))
+                                      : choice % 3 == 1
+                                          ? protocol::MakeRename(text.substr(0, protocol::kMaxNameBytes))
+                                          : protocol::MakeEmote(static_cast<protocol::wire::EmoteKind>(choice % 6));
+    static_cast<void>(client.Send(1, transport::Channel::kControl, message));
   }
   void SayInput(Feed& feed, transport::Transport& client) {
     std::vector<protocol::wire::InputFrame> frames;

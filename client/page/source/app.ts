@@ -317,7 +317,8 @@ export class App {
     this.Welcome(client);
     for (let event = client.takeEvent(); event !== null; event = client.takeEvent()) this.NoteEvent(event);
     for (let text = client.takeNotice(); text !== null; text = client.takeNotice()) {
-      if (!this.m_film.TakeNotice(text) && !this.m_invite.TakeNotice(text)) this.m_toasts.Add(text, true);
+      const isTaken = this.m_film.TakeNotice(text) || this.m_invite.TakeNotice(text) || this.m_talk.TakeNotice(text);
+      if (!isTaken) this.m_toasts.Add(text, true);
     }
     client.sample();
     this.MoveBody(client, seconds);

@@ -162,7 +162,8 @@ TEST_F(OrdersTest, WordsComeInAnyOrderAndNoneIsDropped) {
   EXPECT_EQ(Give("invite for 1h moderator uses 3").lines.at(0).substr(16), ends.substr(16));
   Join("Ada");
   for (const auto& [order, words] :
-       {std::pair{"mute 1 please", "please"}, std::pair{"mute 1 for ages", "ages"}, std::pair{"mute 1 for 1h now", "now"}, std::pair{"lock now", "now"}, std::pair{"rank 1 owner please", "please"},
+       {std::pair{"mute 1 please", "please"}, std::pair{"mute 1 for ages", "ages"},
+        std::pair{"mute 1 for 1h now", "now"}, std::pair{"lock now", "now"}, std::pair{"rank 1 owner please", "please"},
         std::pair{"invite player for 1h for 2h", "for"}, std::pair{"invite uses 3 times", "times"},
         std::pair{"invite player watcher", "watcher"}, std::pair{"revoke 1 2", "2"}, std::pair{"unban 1 2", "2"},
         std::pair{"protect on all", "all"}}) {

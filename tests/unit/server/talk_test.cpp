@@ -207,12 +207,17 @@ TEST(Talk, ANewNameIsFreeAndOverTheBodyAndKept) {
   Game game(test::MakeYard());
   Person ada(game, "Ada"), bob(game, "Bob");
   const std::uint32_t client = bob.client.Welcome().clientId;
-  bob.client.Rename("\xd0\x90" "da");  // a Cyrillic A
+  bob.client.Rename(
+      "\xd0\x90"
+      "da");  // a Cyrillic A
   game.Run(0.3);
-  EXPECT_THAT(ada.Heard(EventKind::Rename), ElementsAre("\xd0\x90" "da 2"));
+  EXPECT_THAT(ada.Heard(EventKind::Rename), ElementsAre("\xd0\x90"
+                                                        "da 2"));
   EXPECT_EQ(ada.ear.events.back().clientId, client);
   EXPECT_EQ(ada.ear.events.back().body, bob.client.Welcome().ownBody);
-  EXPECT_EQ(game.server.ListPlayers(game.now).at(1).name, "\xd0\x90" "da 2");
+  EXPECT_EQ(game.server.ListPlayers(game.now).at(1).name,
+            "\xd0\x90"
+            "da 2");
   EXPECT_TRUE(game.HasBody(bob.client.Welcome().ownBody)) << "it has not left";
   bob.client.Rename("Bo");
   bob.client.Rename("Bert");

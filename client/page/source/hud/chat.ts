@@ -59,12 +59,21 @@ export class Chat {
   }
 
   Add(clientId: number, text: string, players: Players): void {
-    const line = MakeElement('li');
     const body = players.all.get(clientId)?.body ?? 0;
     const colour = clientId === players.ownClient ? MakeOwnColour() : MakePlayerColour(body);
     const name = MakeElement('b', '', players.FindName(clientId));
     name.style.setProperty('--player', `#${colour.getHexString()}`);
-    line.append(name, ' ', MakeElement('span', '', text));
+    this.Append(name, ' ', MakeElement('span', '', text));
+  }
+
+  // A line of the server.
+  AddNote(text: string): void {
+    this.Append(MakeElement('i', '', text));
+  }
+
+  private Append(...parts: (Node | string)[]): void {
+    const line = MakeElement('li');
+    line.append(...parts);
     this.lines.append(line);
     while (this.lines.childElementCount > kMostKept) this.lines.firstElementChild!.remove();
     setTimeout(() => line.classList.add('old'), 1000 * kShownFor);
