@@ -29,6 +29,7 @@ const kFastest = 80; // m/s; what is faster was put somewhere else
 // Decelerations that are no hit, m/s²: of places that are rounded to 2 mm, and of a player's walking.
 const kNoise = 14;
 const kWalking = 30;
+const kSudden = 10; // m/s² by which a push grows within a step; a hand that drags a body grows more slowly
 const kSlowest = 0.8; // m/s; slower contacts are silent
 const kRest = 0.2; // s between two thuds of a body
 
@@ -39,6 +40,7 @@ interface Track {
   place: number[];
   velocity: number[]; // up to the newest place
   before: number[]; // up to the place before
+  push: number[]; // acceleration at the newest place
   last: number; // s, of the last thud
   isArmed: boolean; // false: the contact that was heard goes on
 }
@@ -82,6 +84,7 @@ export class ContactFinder {
       place: [body.x, body.y, body.z],
       velocity: [0, 0, 0],
       before: [0, 0, 0],
+      push: [0, 0, 0],
       last: known?.last ?? -kRest,
       isArmed: true,
     };
@@ -95,14 +98,15 @@ export class ContactFinder {
     const place = [body.x, body.y, body.z];
     const velocity = place.map((each, i) => (each - track.place[i]) / seconds);
     const [older, newer] = [track.before, track.velocity];
-    Object.assign(track, { at: now, place, velocity, before: newer, steps: track.steps + 1 });
+    const push = velocity.map((each, i) => (each - newer[i]) / seconds);
+    const growth = Math.hypot(...push.map((each, i) => each - track.push[i]));
+    Object.assign(track, { at: now, place, velocity, before: newer, push, steps: track.steps + 1 });
     if (Math.hypot(...velocity) > kFastest) track.steps = 0;
     if (track.steps < 3) return 0;
-    const push = velocity.map((each, i) => (each - newer[i]) / seconds);
     const unexplained = FindUnexplained(push, gravity, body.isPlayer);
     const size = Math.hypot(...unexplained);
     if (size === 0) track.isArmed = true;
-    if (size === 0 || !track.isArmed || now - track.last < kRest) return 0;
+    if (size === 0 || growth < kSudden || !track.isArmed || now - track.last < kRest) return 0;
     const approach = (from: number[]) => -from.reduce((sum, each, i) => sum + (each * unexplained[i]) / size, 0);
     const speed = Math.max(approach(newer), approach(older));
     if (speed < kSlowest) return 0;
