@@ -6,11 +6,6 @@
 
 namespace wobble::c {
 
-template <>
-inline constexpr std::size_t kFirstSize<wobble_status> = offsetof(wobble_status, description);
-template <>
-inline constexpr std::size_t kFirstSize<wobble_event> = offsetof(wobble_event, emote);
-
 template <typename Struct>
 [[nodiscard]] wobble_result CheckStruct(const Struct* given) {
   if (given == nullptr) return WOBBLE_NULL;

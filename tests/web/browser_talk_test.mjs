@@ -53,7 +53,7 @@ test('lines, emotes, names, a mute and thuds in two pages', async () => {
 
   const people = other.tab.getByLabel('Scene and players');
   await waitFor('a name of its own', async () => (await people.getByLabel('Your name').inputValue()) === 'mira 2');
-  assert.match((await people.textContent()) ?? '', /ball/, 'the description of the scene');
+  assert.match((await people.textContent()) ?? '', /masses on springs/, 'the description of the scene');
 
   await say(mira, 'hello <b>you</b>, wasd');
   await hears(other, 'mira hello <b>you</b>, wasd');

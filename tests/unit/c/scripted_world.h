@@ -55,8 +55,9 @@ class ScriptedWorld {
 
   bool welcomed = false;
   bool isSpectator = false;
-  int commands = 0;     // pushes and cuts
-  int badMessages = 0;  // that no honest client sends
+  int commands = 0;               // pushes and cuts
+  std::vector<std::string> told;  // lines, numbers of emotes, and names
+  int badMessages = 0;            // that no honest client sends
   wire::InputFrame newestInput;
   std::uint32_t heldBody = 0;
   transport::ConnectionId connection = 0;
@@ -76,6 +77,9 @@ class ScriptedWorld {
       isSpectator = hello->role() == wire::Role::Spectator;
       Welcome();
     }
+    if (const auto* say = message->body_as_Say()) told.push_back(say->text()->str());
+    if (const auto* emote = message->body_as_Emote()) told.push_back(std::to_string(static_cast<int>(emote->kind())));
+    if (const auto* rename = message->body_as_Rename()) told.push_back(rename->name()->str());
     if (message->body_as_Push() != nullptr || message->body_as_Cut() != nullptr) ++commands;
     if (const auto* input = message->body_as_Input()) {
       newestInput = *input->frames()->Get(0);
