@@ -21,12 +21,12 @@ using transport::Channel;
 
 // A client with what it hears.
 struct Person {
-  Person(Game& game, const client::Options& options) : client(game.AddClient(options)), ear(client) {
+  Person(Game& game, const std::string& name, bool isSpectator = false)
+      : client(game.AddClient({.name = name, .spectator = isSpectator})), ear(client) {
     client.OnNotice([this](const std::string& line) { notices.push_back(line); });
     game.Run(0.5);
     EXPECT_EQ(client.ReadState(), client::State::kPlaying);
   }
-  Person(Game& game, const std::string& name) : Person(game, client::Options{.name = name}) {}
   Person(const Person&) = delete;
   Person& operator=(const Person&) = delete;
 
@@ -45,7 +45,7 @@ struct Person {
 
 TEST(Talk, ALineReachesEverybodyAsOneCleanLine) {
   Game game(test::MakeYard());
-  Person ada(game, "Ada"), bob(game, "Bob"), eve(game, {.name = "Eve", .spectator = true});
+  Person ada(game, "Ada"), bob(game, "Bob"), eve(game, "Eve", true);
   EXPECT_EQ(ada.client.Welcome().talk, protocol::kMaySay | protocol::kMayEmote);
   EXPECT_EQ(eve.client.Welcome().talk, 0);
   ada.client.Say("  hello,\tBob\xe2\x80\xae ");
@@ -132,7 +132,7 @@ TEST(Talk, ACrowdTogetherSaysNoMoreThanTwentyLinesASecond) {
 
 TEST(Talk, WatchersReadAndModeratorsAmongThemMaySay) {
   Game game(test::MakeYard());
-  Person ada(game, "Ada"), eve(game, {.name = "Eve", .spectator = true});
+  Person ada(game, "Ada"), eve(game, "Eve", true);
   eve.client.Say("boo");
   eve.client.Emote(EmoteKind::Wave);
   game.Run(0.3);

@@ -45,8 +45,7 @@ export class People {
 
   Update({ scene, description }: Welcome, players: Players): void {
     SetText(this.m_scene, scene);
-    SetText(this.m_about, description);
-    this.m_about.title = description;
+    if (this.m_about.title !== description) this.m_about.title = this.m_about.textContent = description;
     if (this.m_revision === players.revision) return;
     this.m_revision = players.revision;
     const others = [...players.all.values()].filter((player) => player.clientId !== players.ownClient);
