@@ -188,6 +188,14 @@ void Client::Inspect(std::uint32_t body) { m->Ask(protocol::MakeInspect(body)); 
 void Client::Order(const std::string& line) {
   m->Ask(protocol::MakeOrder(std::string_view(line).substr(0, protocol::kMaxOrderBytes)));
 }
+void Client::Say(const std::string& text) {
+  m->Ask(protocol::MakeSay(protocol::MakeLine(text, protocol::kMaxSaidBytes)));
+}
+void Client::Emote(wire::EmoteKind kind) { m->Ask(protocol::MakeEmote(kind)); }
+void Client::Rename(const std::string& name) {
+  m->options.name = protocol::MakeLine(name, protocol::kMaxNameBytes);
+  m->Ask(protocol::MakeRename(m->options.name));
+}
 void Client::Tune(wire::TuneKind kind, const protocol::Vector3& value) { m->Ask(protocol::MakeTune(kind, value)); }
 void Client::Build(const protocol::BuildFields& fields) { m->Ask(protocol::MakeBuild(fields)); }
 
@@ -385,6 +393,9 @@ bool Client::Implementation::HandleWelcome(const wire::Welcome& message) {
   welcome.ownBlueprint = message.own_blueprint();
   welcome.rank = message.rank();
   if (message.drive() != nullptr) welcome.drive = *message.drive();
+  welcome.description = protocol::MakeLine(message.description() == nullptr ? "" : message.description()->string_view(),
+                                           protocol::kMaxDescriptionBytes);
+  welcome.talk = message.talk();
   grounds.Expect(welcome.heightFields);
   blueprints.Expect(welcome.blueprintCount);
 
@@ -422,7 +433,8 @@ void Client::Implementation::HandleEvent(const wire::Event& message) {
   onEvent({.kind = message.kind(),
            .clientId = message.client_id(),
            .body = message.body(),
-           .name = protocol::MakeLine(message.name()->string_view(), protocol::kMaxNameBytes)});
+           .name = protocol::MakeLine(message.name()->string_view(), protocol::kMaxSaidBytes),
+           .emote = message.emote()});
 }
 
 void Client::Implementation::HandleSnapshot(std::span<const std::uint8_t> bytes) {

@@ -184,6 +184,14 @@ class Client {
            const protocol::Vector3& to);
   // From now on ReadForces is about this body; 0: about none.
   void Inspect(std::uint32_t body);
+  // Says a line to everybody, of at most protocol::kMaxSaidBytes; more is cut. A player may say one a second, and four
+  // at once.
+  void Say(const std::string& text);
+  // Shows a sign over the own body for some seconds; it counts as a line does.
+  void Emote(wire::EmoteKind kind);
+  // Another name, of at most protocol::kMaxNameBytes, from now on and for a hello to come. An event tells when it is in
+  // force, and how it reads: the server makes it differ from those of others.
+  void Rename(const std::string& name);
   // A line to the server's administration, such as a moderator's "kick 7" or a player's "vote restart"; at most
   // protocol::kMaxOrderBytes. The answer comes as notices.
   void Order(const std::string& line);
@@ -247,7 +255,8 @@ class Client {
     wire::EventKind kind;
     std::uint32_t clientId = 0;
     std::uint32_t body = 0;
-    std::string name;
+    std::string name;                               // of Said: the line
+    wire::EmoteKind emote = wire::EmoteKind::Wave;  // of Emote
   };
   // Handlers are called inside Update.
   //

@@ -6,6 +6,8 @@
 #include <cassert>
 #include <utility>
 
+#include "protocol/text.h"
+
 namespace wobble::client {
 
 LastingClient::LastingClient(std::unique_ptr<transport::Transport> transport, LastingOptions options, double now)
@@ -117,6 +119,11 @@ void LastingClient::Leave(double now) {
   Client* client = m_state == LastingState::kRejoining ? m_next.get() : m_client.get();
   if (client != nullptr) client->Leave(now);
   if (client == nullptr || client->ReadState() == State::kEnded) End("left");
+}
+
+void LastingClient::Rename(const std::string& name) {
+  m_options.client.name = protocol::MakeLine(name, protocol::kMaxNameBytes);
+  m_client->Rename(m_options.client.name);
 }
 
 void LastingClient::End(std::string reason) {

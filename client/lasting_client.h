@@ -45,6 +45,9 @@ class LastingClient {
   // As Client::Leave; ends at once while it is joining again and no connection is there.
   void Leave(double now);
 
+  // As Client::Rename, and for returns.
+  void Rename(const std::string& name);
+
   [[nodiscard]] LastingState ReadState() const { return m_state; }
   // The client that plays. While kRejoining and kEnded the one that played last: its bodies stand still, and commands
   // to it are not sent. Another object after each return, so do not keep the reference beyond the next Update.

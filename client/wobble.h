@@ -99,24 +99,26 @@ enum {
   WOBBLE_ENDED = 3,      // has left, was sent away, or has given up: `reason`
 };
 enum { WOBBLE_MAY_GRAB = 1 << 0, WOBBLE_MAY_CUT = 1 << 1, WOBBLE_MAY_PUSH = 1 << 2, WOBBLE_MAY_BUILD = 1 << 3 };
+enum { WOBBLE_MAY_SAY = 1 << 0, WOBBLE_MAY_EMOTE = 1 << 1 };
 // A player may do what the scene lets players do; a moderator also give orders about players, and change what others
 // have built; an owner everything.
 enum { WOBBLE_RANK_WATCHER = 0, WOBBLE_RANK_PLAYER = 1, WOBBLE_RANK_MODERATOR = 2, WOBBLE_RANK_OWNER = 3 };
 
 typedef struct wobble_status {
   uint32_t struct_size;
-  int32_t state;           // WOBBLE_JOINING ...
-  int32_t ended_unasked;   // 1: has ended, and not by wobble_leave
-  uint32_t client_id;      // of this player, as in events
-  uint32_t own_body;       // 0: none
-  uint32_t hands;          // what the scene lets players do: WOBBLE_MAY_GRAB ...
-  float reach;             // of hands, from the own body's centroid; 0: any distance
-  float pace;              // how fast the world runs; less than 1 when the server is overloaded
-  const char* scene;       // its name. This text and the next two: valid until the next call with this client
-  const char* reason;      // one line for people; "" when there is nothing to say
-  const char* server_key;  // of the server, for wobble_connect_options the next time; "" before it plays
-  int32_t rank;            // of this player in the administration's eyes: WOBBLE_RANK_WATCHER ...
-  uint32_t reserved;
+  int32_t state;            // WOBBLE_JOINING ...
+  int32_t ended_unasked;    // 1: has ended, and not by wobble_leave
+  uint32_t client_id;       // of this player, as in events
+  uint32_t own_body;        // 0: none
+  uint32_t hands;           // what the scene lets players do: WOBBLE_MAY_GRAB ...
+  float reach;              // of hands, from the own body's centroid; 0: any distance
+  float pace;               // how fast the world runs; less than 1 when the server is overloaded
+  const char* scene;        // its name. This and the other texts: valid until the next call with this client
+  const char* reason;       // one line for people; "" when there is nothing to say
+  const char* server_key;   // of the server, for wobble_connect_options the next time; "" before it plays
+  int32_t rank;             // of this player in the administration's eyes: WOBBLE_RANK_WATCHER ...
+  uint32_t talk;            // what this player may tell the others: WOBBLE_MAY_SAY, WOBBLE_MAY_EMOTE
+  const char* description;  // of the scene, one line; "" if it has none
 } wobble_status;
 WOBBLE_API wobble_result wobble_read_status(const wobble_client* client, wobble_status* status);
 
@@ -149,6 +151,21 @@ WOBBLE_API wobble_result wobble_push(wobble_client* client, uint32_t body, uint3
 // Cuts the springs of the body that pass through the triangle of these points of the world.
 WOBBLE_API wobble_result wobble_cut(wobble_client* client, uint32_t body, const float eye[3], const float from[3],
                                     const float to[3]);
+
+// Says a line to everybody, of 1 to 200 bytes: one a second, and four at once. A notice tells when it was not sent.
+WOBBLE_API wobble_result wobble_say(wobble_client* client, const char* text);
+enum {
+  WOBBLE_WAVE = 0,
+  WOBBLE_LAUGH = 1,
+  WOBBLE_LOVE = 2,
+  WOBBLE_WOW = 3,
+  WOBBLE_SAD = 4,
+  WOBBLE_CHEER = 5,
+};
+// Shows a sign over the own body, WOBBLE_WAVE ... It counts as a line does.
+WOBBLE_API wobble_result wobble_emote(wobble_client* client, int32_t emote);
+// Another name, of 1 to 32 bytes, also for returns. WOBBLE_RENAMED tells when it is in force, and how it reads.
+WOBBLE_API wobble_result wobble_rename(wobble_client* client, const char* name);
 
 // 4. Sample, and draw.
 
@@ -237,6 +254,9 @@ enum {
   WOBBLE_FALL = 4,       // body has fallen off; client_id: who is said to have pushed it, or 0
   WOBBLE_NOTICE = 5,     // text: a line for the player, such as why something was not done
   WOBBLE_NEW_WORLD = 6,  // the server's next scene (text), or a return (""): bodies and clients have new numbers
+  WOBBLE_SAID = 7,       // text: a line that client_id said
+  WOBBLE_EMOTED = 8,     // emote: what to show over the body for some seconds
+  WOBBLE_RENAMED = 9,    // text: the name of client_id from now on
 };
 
 typedef struct wobble_event {
@@ -245,6 +265,8 @@ typedef struct wobble_event {
   uint32_t client_id;
   uint32_t body;
   const char* text;  // one line; valid until the next wobble_next_event with this client
+  int32_t emote;     // WOBBLE_WAVE ...; pass over those that you do not know
+  int32_t reserved;
 } wobble_event;
 // Takes the oldest event; WOBBLE_NO_EVENT when there is none. The newest 1024 are kept, so take them after each update.
 WOBBLE_API wobble_result wobble_next_event(wobble_client* client, wobble_event* event);

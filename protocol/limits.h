@@ -90,6 +90,9 @@ inline constexpr std::size_t kMaxNameBytes = 32;
 inline constexpr std::size_t kMaxNoticeBytes = 256;
 // Bytes of an order to the server's administration.
 inline constexpr std::size_t kMaxOrderBytes = 200;
+// Bytes of UTF-8 in a line that a player says, and in a scene's description.
+inline constexpr std::size_t kMaxSaidBytes = 200;
+inline constexpr std::size_t kMaxDescriptionBytes = 256;
 
 // Lines of a scoreboard: as many as a server can have clients, in 48 KiB.
 inline constexpr std::size_t kMaxScores = 4000;
@@ -97,8 +100,8 @@ inline constexpr std::size_t kMaxScores = 4000;
 inline constexpr std::size_t kMaxShownForces = 256;
 // Steps of a force in it, from 0 to the largest of its kind.
 inline constexpr float kForceSteps = 127;
-// Commands (push, cut, inspect, tune, build) from one client within a second: more than hands can do. Further ones are
-// dropped.
+// Commands (push, cut, inspect, tune, build, order, say, emote, rename) from one client within a second: more than
+// hands can do. Further ones are dropped.
 inline constexpr unsigned kMaxCommandsPerSecond = 60;
 // Inputs from one client within a second, or twice the tick rate where that is more: a client sends one a tick. Further
 // ones are dropped. After a link that was dead for a while more may come at once, so only who goes on for

@@ -91,18 +91,36 @@ Message MakeOrder(std::string_view line) {
   return FinishClientMessage(builder, wire::CreateOrder(builder, builder.CreateString(line)));
 }
 
+Message MakeSay(std::string_view text) {
+  FlatBufferBuilder builder;
+  return FinishClientMessage(builder, wire::CreateSay(builder, builder.CreateString(text)));
+}
+
+Message MakeEmote(wire::EmoteKind kind) {
+  FlatBufferBuilder builder;
+  return FinishClientMessage(builder, wire::CreateEmote(builder, kind));
+}
+
+Message MakeRename(std::string_view name) {
+  FlatBufferBuilder builder;
+  return FinishClientMessage(builder, wire::CreateRename(builder, builder.CreateString(name)));
+}
+
 Message MakeWelcome(const WelcomeFields& fields) {
+  assert(fields.description.size() <= kMaxDescriptionBytes);
   FlatBufferBuilder builder;
   const auto scene = builder.CreateString(fields.scene);
   const auto obstacles = builder.CreateVectorOfStructs(fields.obstacles);
   const auto heightFields = builder.CreateVectorOfStructs(fields.heightFields);
   const auto game = builder.CreateString(fields.game);
+  const auto description =
+      fields.description.empty() ? Offset<flatbuffers::String>() : builder.CreateString(fields.description);
   return FinishServerMessage(
       builder,
       wire::CreateWelcome(builder, fields.clientId, fields.ownBody, fields.tick, fields.tickHz, fields.snapshotHz,
                           scene, fields.blueprintCount, obstacles, heightFields, fields.hands, fields.reach, game,
                           fields.workshop, fields.ownBlueprint, fields.rank,
-                          fields.drive.speed() > 0 ? &fields.drive : nullptr));
+                          fields.drive.speed() > 0 ? &fields.drive : nullptr, description, fields.talk));
 }
 
 Message MakeBlueprintChunk(std::uint8_t blueprint, std::uint64_t hash, std::uint32_t total, std::uint32_t offset,
@@ -122,10 +140,10 @@ Message MakeHeightRows(std::uint16_t field, std::uint16_t firstRow, std::span<co
 }
 
 Message MakeEvent(wire::EventKind kind, std::uint32_t tick, std::uint32_t clientId, std::uint32_t body,
-                  std::string_view name) {
+                  std::string_view name, wire::EmoteKind emote) {
   FlatBufferBuilder builder;
   const auto text = builder.CreateString(name.data(), name.size());
-  return FinishServerMessage(builder, wire::CreateEvent(builder, kind, tick, clientId, body, text));
+  return FinishServerMessage(builder, wire::CreateEvent(builder, kind, tick, clientId, body, text, emote));
 }
 
 Message MakeServerGoodbye(wire::GoodbyeReason reason, std::string_view detail) {

@@ -78,9 +78,14 @@ struct BuildFields {
 [[nodiscard]] Message MakeBuild(const BuildFields& fields);
 // line: at most kMaxOrderBytes.
 [[nodiscard]] Message MakeOrder(std::string_view line);
+// text: at most kMaxSaidBytes; name: at most kMaxNameBytes.
+[[nodiscard]] Message MakeSay(std::string_view text);
+[[nodiscard]] Message MakeEmote(wire::EmoteKind kind);
+[[nodiscard]] Message MakeRename(std::string_view name);
 
-// Bits of WelcomeFields::hands and of TuningFields::may.
+// Bits of WelcomeFields::hands, WelcomeFields::talk and TuningFields::may.
 inline constexpr std::uint8_t kMayGrab = 1, kMayCut = 2, kMayPush = 4, kMayBuild = 8;
+inline constexpr std::uint8_t kMaySay = 1, kMayEmote = 2;
 inline constexpr std::uint8_t kMayTuneGravity = 1, kMayTuneStiffness = 2, kMayTuneTime = 4;
 
 struct WelcomeFields {
@@ -100,6 +105,8 @@ struct WelcomeFields {
   std::uint8_t ownBlueprint = 0;
   wire::Rank rank = wire::Rank::Player;
   wire::Drive drive = {};  // of the own body; a speed of 0: none
+  std::string description = {};  // at most kMaxDescriptionBytes
+  std::uint8_t talk = 0;         // bits kMaySay, kMayEmote
 };
 [[nodiscard]] Message MakeWelcome(const WelcomeFields& fields);
 // bytes: at most kBlueprintChunkBytes; none, with an offset of `total`, for a blueprint that the client has kept.
@@ -110,7 +117,7 @@ struct WelcomeFields {
 [[nodiscard]] Message MakeHeightRows(std::uint16_t field, std::uint16_t firstRow,
                                      std::span<const std::uint16_t> heights);
 [[nodiscard]] Message MakeEvent(wire::EventKind kind, std::uint32_t tick, std::uint32_t clientId, std::uint32_t body,
-                                std::string_view name);
+                                std::string_view name, wire::EmoteKind emote = wire::EmoteKind::Wave);
 [[nodiscard]] Message MakeServerGoodbye(wire::GoodbyeReason reason, std::string_view detail);
 
 struct TuningFields {

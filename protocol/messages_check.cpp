@@ -74,9 +74,9 @@ ParseResult CheckBuild(const wire::Build& build) {
   return isGood ? CheckPlaces({build.at()}) : ParseResult::kOutOfRange;
 }
 
-ParseResult CheckOrder(const wire::Order& order) {
-  if (order.line() == nullptr) return ParseResult::kMissingField;
-  return order.line()->size() <= kMaxOrderBytes ? ParseResult::kOk : ParseResult::kOutOfRange;
+ParseResult CheckText(const flatbuffers::String* text, std::size_t maxBytes) {
+  if (text == nullptr) return ParseResult::kMissingField;
+  return text->size() <= maxBytes ? ParseResult::kOk : ParseResult::kOutOfRange;
 }
 
 // False for NaN. What a record is decoded with must be bounded, not only finite: two large numbers have an infinite
@@ -126,6 +126,8 @@ ParseResult CheckWelcome(const wire::Welcome& welcome) {
       welcome.obstacles()->size() > kMaxObstacles || welcome.height_fields()->size() > kMaxHeightFields ||
       welcome.hands() > 15 || !(welcome.reach() >= 0.0F) || welcome.game()->size() > kMaxNameBytes ||
       !IsKnown(welcome.rank(), wire::Rank::MAX) || (welcome.drive() != nullptr && !IsGood(*welcome.drive())) ||
+      welcome.talk() > 3 ||
+      (welcome.description() != nullptr && welcome.description()->size() > kMaxDescriptionBytes) ||
       (welcome.own_blueprint() >= welcome.blueprint_count() && welcome.blueprint_count() > 0)) {
     return ParseResult::kOutOfRange;
   }
@@ -157,11 +159,10 @@ ParseResult CheckChunk(const wire::BlueprintChunk& chunk) {
 }
 
 ParseResult CheckEvent(const wire::Event& event) {
-  if (event.name() == nullptr) return ParseResult::kMissingField;
-  if (event.name()->size() > kMaxNameBytes || !IsKnown(event.kind(), wire::EventKind::MAX)) {
+  if (!IsKnown(event.kind(), wire::EventKind::MAX) || !IsKnown(event.emote(), wire::EmoteKind::MAX)) {
     return ParseResult::kOutOfRange;
   }
-  return ParseResult::kOk;
+  return CheckText(event.name(), event.kind() == wire::EventKind::Said ? kMaxSaidBytes : kMaxNameBytes);
 }
 
 ParseResult CheckTuning(const wire::Tuning& tuning) {
@@ -188,11 +189,6 @@ ParseResult CheckScoreboard(const wire::Scoreboard& board) {
   if (board.scores() == nullptr) return ParseResult::kMissingField;
   const bool isGood = IsKnown(board.phase(), wire::GamePhase::MAX) && board.scores()->size() <= kMaxScores;
   return isGood ? ParseResult::kOk : ParseResult::kOutOfRange;
-}
-
-ParseResult CheckNotice(const wire::Notice& notice) {
-  if (notice.text() == nullptr) return ParseResult::kMissingField;
-  return notice.text()->size() <= kMaxNoticeBytes ? ParseResult::kOk : ParseResult::kOutOfRange;
 }
 
 ParseResult CheckTags(const wire::Blueprint& blueprint) {
@@ -223,7 +219,12 @@ ParseResult CheckClientBody(const wire::ClientMessage& message) {
   if (message.body_as_Inspect() != nullptr) return ParseResult::kOk;
   if (const auto* tune = message.body_as_Tune()) return CheckTune(*tune);
   if (const auto* build = message.body_as_Build()) return CheckBuild(*build);
-  if (const auto* order = message.body_as_Order()) return CheckOrder(*order);
+  if (const auto* order = message.body_as_Order()) return CheckText(order->line(), kMaxOrderBytes);
+  if (const auto* say = message.body_as_Say()) return CheckText(say->text(), kMaxSaidBytes);
+  if (const auto* rename = message.body_as_Rename()) return CheckText(rename->name(), kMaxNameBytes);
+  if (const auto* emote = message.body_as_Emote()) {
+    return IsKnown(emote->kind(), wire::EmoteKind::MAX) ? ParseResult::kOk : ParseResult::kOutOfRange;
+  }
   return ParseResult::kOutOfRange;  // a kind that this version does not know
 }
 
@@ -236,7 +237,7 @@ ParseResult CheckServerBody(const wire::ServerMessage& message) {
   if (const auto* tuning = message.body_as_Tuning()) return CheckTuning(*tuning);
   if (const auto* forces = message.body_as_Forces()) return CheckForces(*forces);
   if (const auto* board = message.body_as_Scoreboard()) return CheckScoreboard(*board);
-  if (const auto* notice = message.body_as_Notice()) return CheckNotice(*notice);
+  if (const auto* notice = message.body_as_Notice()) return CheckText(notice->text(), kMaxNoticeBytes);
   if (const auto* next = message.body_as_NextScene()) {
     return next->scene() == nullptr ? ParseResult::kMissingField : ParseResult::kOk;
   }

@@ -46,6 +46,7 @@ struct Config {
   bool admitsWhenBusy = false;  // lets clients in even at LoadLevel::kBusy
   int rounds = 0;               // rounds of the scene's game that make a match; 0: it never ends
   AfterMatch afterMatch = AfterMatch::kEnd;
+  bool forbidsChat = false;      // players say no lines to one another
   bool resetsWhenEmpty = false;  // the world begins anew when the last client has left
   std::uint64_t seed = 1;        // of the scene's random placement
 };

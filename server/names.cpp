@@ -21,12 +21,12 @@ namespace {
 
 constexpr const char* kNameOfNobody = "player";
 constexpr char16_t kBrailleBlank = 0x2800;  // a symbol for Unicode, and a space for the eye
-// UTF-16 units of the longest text here. NFKC makes at most 18 units of one, a skeleton is shorter.
-constexpr std::size_t kMostUnits = 18 * protocol::kMaxNameBytes;
+// NFKC makes at most so many UTF-16 units of one; a skeleton is shorter.
+constexpr std::size_t kMostGrowth = 18;
 
-// The text in UTF-16 and back. `text` is valid UTF-8 of at most kMaxNameBytes.
+// The text in UTF-16 and back. `text` is valid UTF-8.
 std::u16string ToUnits(std::string_view text) {
-  std::u16string units(kMostUnits, u'\0');
+  std::u16string units(text.size(), u'\0');
   std::int32_t length = 0;
   UErrorCode status = U_ZERO_ERROR;
   u_strFromUTF8(units.data(), static_cast<std::int32_t>(units.size()), &length, text.data(),
@@ -49,7 +49,7 @@ std::string ToBytes(std::u16string_view units) {
 std::u16string Normalise(std::u16string_view units) {
   UErrorCode status = U_ZERO_ERROR;
   const UNormalizer2* form = unorm2_getNFKCInstance(&status);
-  std::u16string normal(kMostUnits, u'\0');
+  std::u16string normal(kMostGrowth * units.size(), u'\0');
   const std::int32_t length = unorm2_normalize(form, units.data(), static_cast<std::int32_t>(units.size()),
                                                normal.data(), static_cast<std::int32_t>(normal.size()), &status);
   normal.resize(U_SUCCESS(status) ? static_cast<std::size_t>(length) : 0);
@@ -95,7 +95,7 @@ std::string FindSkeleton(std::string_view name) {
     return std::unique_ptr<USpoofChecker, Close>(uspoof_open(&status));
   }();
   UErrorCode status = U_ZERO_ERROR;
-  char skeleton[3 * kMostUnits];
+  char skeleton[3 * kMostGrowth * protocol::kMaxNameBytes];
   const std::int32_t length = uspoof_getSkeletonUTF8(
       kChecker.get(), 0, name.data(), static_cast<std::int32_t>(name.size()), skeleton, sizeof skeleton, &status);
   return U_SUCCESS(status) ? std::string(skeleton, static_cast<std::size_t>(length)) : std::string(name);
@@ -103,11 +103,15 @@ std::string FindSkeleton(std::string_view name) {
 
 }  // namespace
 
-std::string CleanName(std::string_view bytes) {
-  const std::string line = protocol::MakeLine(bytes, protocol::kMaxNameBytes);
+std::string CleanText(std::string_view bytes, std::size_t maxBytes) {
+  const std::string line = protocol::MakeLine(bytes, maxBytes);
   // Composition may join what was left apart, so the second round sees what the first has made.
   const std::u16string visible = DropInvisible(Normalise(DropInvisible(ToUnits(line))));
-  const std::string name = Fit(ToBytes(visible), protocol::kMaxNameBytes);
+  return Fit(ToBytes(visible), maxBytes);
+}
+
+std::string CleanName(std::string_view bytes) {
+  const std::string name = CleanText(bytes, protocol::kMaxNameBytes);
   return name.empty() ? kNameOfNobody : name;
 }
 

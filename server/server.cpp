@@ -47,6 +47,7 @@ int Server::Tick(double now) {
   m_watch.Begin(Phase::kReceive);
   Receive(now);
   FollowVote(now);
+  LiftMutes(now);
   FollowRotation(now);
   SendDownloads();
   PauseOrResume(now);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <future>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -50,6 +51,10 @@ struct Counts {
   std::uint64_t inputsDue = 0;                                // ticks, summed over players
   std::uint64_t inputsStarved = 0;  // ticks on which a player stood still because no input had come in time
   std::uint64_t stalls = 0;         // bodies that a client had to show without news in time, as clients report
+  std::uint64_t said = 0;           // lines of players that went to everybody
+  std::uint64_t emotes = 0;
+  std::uint64_t renames = 0;
+  std::uint64_t talkRefused = 0;  // lines, emotes and renames that did not go through, by any reason
   std::size_t clientsPeak = 0;
   std::array<std::uint64_t, kDropReasonCount> dropped{};           // messages, by DropReason
   std::array<std::uint64_t, protocol::kParseResultCount> parse{};  // messages of kParse, by ParseResult
@@ -57,6 +62,9 @@ struct Counts {
 
 // How long a player of a server that was killed may take to come back to their body, s: as long as clients try.
 inline constexpr double kSeatPatience = 60;
+
+// Why a muted player's command is not obeyed.
+inline constexpr const char* kMuted = "you may only move: a moderator has muted you";
 
 // The game of a Welcome to a recording.
 inline constexpr const char* kFilm = "film";
@@ -145,6 +153,7 @@ class Server {
     transport::Admission admission;
     bool isSpectator = false;
     bool isMuted = false;
+    double mutedFor = 0;   // s from now on; infinite: for good
     double seconds = 0;    // since it connected
     double roundTrip = 0;  // newest measured, s
     double rate = 0;       // that its snapshots may take, bit/s
@@ -152,8 +161,10 @@ class Server {
   [[nodiscard]] std::vector<Player> ListPlayers(double now) const;
   // Sends a client away. why: a line for it, may be empty.
   bool Dismiss(ClientId client, protocol::wire::GoodbyeReason reason, const std::string& why);
-  // A muted player moves, and does nothing else.
-  bool SetMuted(ClientId client, bool isMuted);
+  // A muted player moves, and does nothing else; both changes are told to it. until: s. It stays muted when it comes
+  // back with its ticket or account.
+  bool Mute(ClientId client, double until = std::numeric_limits<double>::infinity());
+  bool Unmute(ClientId client);
   bool SetRank(ClientId client, transport::Rank rank);
   // While it is locked nobody but moderators and owners comes in.
   void SetLocked(bool isLocked) { m_isLocked = isLocked; }
@@ -273,7 +284,22 @@ class Server {
   void Notify(const Session& session, const std::string& text);
   [[nodiscard]] bool HasPlayedAllRounds() const;
 
+  // server_talk.cpp: what players tell one another.
+  void TakeTalk(Session& session, const TalkCommand& talk, double now);
+  // They return the reason of a refusal, for the player.
+  std::string Do(Session& session, const SayCommand& say, double now);
+  std::string Do(Session& session, const EmoteCommand& emote, double now);
+  std::string Do(Session& session, const RenameCommand& rename, double now);
+  // Bits kMaySay and kMayEmote.
+  [[nodiscard]] std::uint8_t FindTalk(const Session& session) const;
+  // The session's name, changed so that it looks like nobody else's who is in.
+  [[nodiscard]] std::string FindFreeName(const Session& session, const std::string& name) const;
+
   // server_rule.cpp
+  // A newcomer who was muted before is muted again.
+  void RecallMute(Session& session, double now);
+  // Takes mutes back whose time is over.
+  void LiftMutes(double now);
   // Takes an entry that puts the world back to what the scene has, and restores the pace of time.
   void PutBack(const Entry& entry);
   // Those who may vote: players who are in and not muted.
@@ -314,6 +340,15 @@ class Server {
   bool m_isClosing = false;
   bool m_isLocked = false;
   OrderTaker m_orderTaker;
+  Allowance m_talk;     // lines and emotes of all clients together
+  Allowance m_renames;  // likewise
+  // Who was muted, by what they are known by when they come back; the newest last.
+  struct MutedOne {
+    std::uint64_t account = 0;
+    std::array<std::uint8_t, 16> identity{};
+    double until = 0;  // s
+  };
+  std::vector<MutedOne> m_mutedOnes;
   Vote m_vote;
   Question m_question = Question::kRestart;  // of m_vote
 };

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "server/names.h"
+#include "protocol/text.h"
 #include "server/server.h"
 
 namespace wobble::server {
@@ -78,11 +78,7 @@ bool Server::LetIn(Session& session) {
     End(session, GoodbyeReason::ServerFull, std::string(protocol::kLockedDetail));
     return false;
   }
-  std::vector<std::string_view> taken;
-  for (const auto& [connection, other] : m_sessions) {
-    if (other.IsIn()) taken.push_back(other.name);
-  }
-  session.name = MakeDistinct(session.name, taken);
+  session.name = FindFreeName(session, session.name);
   return true;
 }
 
@@ -109,6 +105,7 @@ void Server::Join(Session& session) {
   SendWelcome(session);
   Broadcast(protocol::MakeEvent(EventKind::Join, m_shownTick, session.clientId, session.body, session.name));
   SendTuning();
+  if (!comesAlong) RecallMute(session, session.lastHeard);
   if (m_film != nullptr && !m_film->ReadRecording().Fault().empty()) {
     Notify(session, fmt::format("this recording is damaged: shown up to {:.1f} s", m_film->End()));
   }
@@ -130,6 +127,8 @@ void Server::SendWelcome(Session& session) {
   fields.game = m_film != nullptr ? kFilm : m_stage->playground.ReadGame() != nullptr ? "sumo" : "";
   fields.workshop = m_stage->playground.ReadWorkshop() != nullptr ? m_stage->playground.ReadWorkshop()->Body() : 0;
   fields.rank = static_cast<protocol::wire::Rank>(session.admission.rank);
+  fields.description = protocol::MakeLine(m_stage->playground.Scene().description, protocol::kMaxDescriptionBytes);
+  fields.talk = FindTalk(session);
   fields.ownBlueprint = static_cast<std::uint8_t>(m_stage->playground.Scene().player.blueprint);
   if (session.body != 0) fields.drive = CaptureDrive(m_stage->playground.Scene());
   const auto send = [&](const protocol::Message& message) {

@@ -17,7 +17,6 @@ namespace {
 constexpr int kForcesHz = 10;
 
 constexpr const char* kOnlyWatched = "this is a recording: it can be watched, and wound with film orders";
-constexpr const char* kMuted = "you may only move: a moderator has muted you";
 
 template <class... Each>
 struct Visitor : Each... {
@@ -27,6 +26,7 @@ struct Visitor : Each... {
 }  // namespace
 
 void Server::Obey(Session& session, const Command& command, double now) {
+  if (const auto* talk = std::get_if<TalkCommand>(&command)) return TakeTalk(session, *talk, now);
   const bool isHarmless =
       std::holds_alternative<InspectCommand>(command) || std::holds_alternative<OrderCommand>(command);
   if (m_film != nullptr && !isHarmless) return Notify(session, kOnlyWatched);
@@ -50,6 +50,7 @@ void Server::Obey(Session& session, const Command& command, double now) {
                                                return std::string();
                                              },
                                              [&](const TuneCommand& tune) { return Tune(session, tune, now); },
+                                             [](const TalkCommand&) { return std::string(); },  // see above
                                              take,
                                          },
                                          command);

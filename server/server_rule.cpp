@@ -11,6 +11,21 @@ namespace wobble::server {
 
 using protocol::wire::GoodbyeReason;
 
+namespace {
+
+constexpr const char* kUnmuted = "you may act again";
+// Who was muted and may come back; of more the oldest are forgotten.
+constexpr std::size_t kMostMutedOnes = 1000;
+
+// Whether both are known, and the same.
+template <class MutedOne>
+bool IsSame(const MutedOne& one, const transport::Admission& admission) {
+  const bool hasAccount = admission.account != 0, hasTicket = admission.identity != decltype(admission.identity){};
+  return (hasAccount && one.account == admission.account) || (hasTicket && one.identity == admission.identity);
+}
+
+}  // namespace
+
 Session* Server::FindSession(ClientId client) {
   const auto found = std::find_if(m_sessions.begin(), m_sessions.end(), [&](const auto& entry) {
     return entry.second.IsIn() && entry.second.clientId == client;
@@ -27,6 +42,7 @@ std::vector<Server::Player> Server::ListPlayers(double now) const {
                        .admission = session.admission,
                        .isSpectator = session.spectator,
                        .isMuted = session.isMuted,
+                       .mutedFor = session.isMuted ? session.mutedUntil - now : 0,
                        .seconds = now - session.connectedAt,
                        .roundTrip = session.roundTrip,
                        .rate = session.subscription.room.Rate(1000 * m_config.clientKbit)});
@@ -42,11 +58,37 @@ bool Server::Dismiss(ClientId client, GoodbyeReason reason, const std::string& w
   return true;
 }
 
-bool Server::SetMuted(ClientId client, bool isMuted) {
+bool Server::Mute(ClientId client, double until) {
   Session* session = FindSession(client);
   if (session == nullptr) return false;
-  session->isMuted = isMuted;
+  session->isMuted = true;
+  session->mutedUntil = until;
+  Notify(*session, kMuted);
+  std::erase_if(m_mutedOnes, [&](const MutedOne& one) { return IsSame(one, session->admission); });
+  if (m_mutedOnes.size() == kMostMutedOnes) m_mutedOnes.erase(m_mutedOnes.begin());
+  m_mutedOnes.push_back({session->admission.account, session->admission.identity, until});
   return true;
+}
+
+bool Server::Unmute(ClientId client) {
+  Session* session = FindSession(client);
+  if (session == nullptr) return false;
+  std::erase_if(m_mutedOnes, [&](const MutedOne& one) { return IsSame(one, session->admission); });
+  if (session->isMuted) Notify(*session, kUnmuted);
+  session->isMuted = false;
+  return true;
+}
+
+void Server::RecallMute(Session& session, double now) {
+  const auto one = std::ranges::find_if(
+      m_mutedOnes, [&](const MutedOne& each) { return IsSame(each, session.admission) && each.until > now; });
+  if (one != m_mutedOnes.end()) Mute(session.clientId, one->until);
+}
+
+void Server::LiftMutes(double now) {
+  for (auto& [connection, session] : m_sessions) {
+    if (session.isMuted && session.IsIn() && session.mutedUntil <= now) Unmute(session.clientId);
+  }
 }
 
 bool Server::SetRank(ClientId client, transport::Rank rank) {

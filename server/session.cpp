@@ -137,6 +137,11 @@ std::optional<Command> FindCommand(const protocol::wire::ClientMessage& message)
   if (const auto* tune = message.body_as_Tune()) return MakeCommand(*tune);
   if (const auto* build = message.body_as_Build()) return MakeCommand(*build);
   if (const auto* order = message.body_as_Order()) return OrderCommand{order->line()->str()};
+  if (const auto* say = message.body_as_Say()) return TalkCommand{SayCommand{say->text()->str()}};
+  if (const auto* emote = message.body_as_Emote()) {
+    return TalkCommand{EmoteCommand{static_cast<std::uint8_t>(emote->kind())}};
+  }
+  if (const auto* rename = message.body_as_Rename()) return TalkCommand{RenameCommand{rename->name()->str()}};
   return {};
 }
 

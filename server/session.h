@@ -46,8 +46,8 @@ struct SecondWindow {
   }
 };
 
-// So many events a second, up to a second's at once. After a pause of the server all that came meanwhile is there at
-// once: most of it is dropped, and what follows at an honest rate is not.
+// So many events a second, up to `most` at once: a second's unless said otherwise. After a pause of the server all that
+// came meanwhile is there at once: most of it is dropped, and what follows at an honest rate is not.
 struct Allowance {
   double left = -1;         // events; below 0: none has come yet
   double countedAt = 0;     // s
@@ -55,8 +55,9 @@ struct Allowance {
   double droppedAt = -2;    // s, the last one
 
   // False: it is one too many.
-  [[nodiscard]] bool Take(double now, double perSecond) {
-    left = left < 0 ? perSecond : std::min(perSecond, left + perSecond * (now - countedAt));
+  [[nodiscard]] bool Take(double now, double perSecond) { return Take(now, perSecond, perSecond); }
+  [[nodiscard]] bool Take(double now, double perSecond, double most) {
+    left = left < 0 ? most : std::min(most, left + perSecond * (now - countedAt));
     countedAt = now;
     if (left >= 1) {
       --left;
@@ -92,7 +93,8 @@ struct Session {
   ClientId clientId = 0;  // from 1; 0: not joined
   std::string name;
   transport::Admission admission;
-  bool isMuted = false;  // may move, and nothing else
+  bool isMuted = false;   // may move, and nothing else
+  double mutedUntil = 0;  // s; infinite: until a moderator says otherwise
   bool spectator = false;
   physics::BodyId body = 0;  // 0: none
   InputBuffer inputs;
@@ -101,6 +103,9 @@ struct Session {
   physics::BodyId inspected = 0;    // whose forces the client is sent; 0: none
   Allowance commands;
   Allowance inputsTaken;
+  Allowance talk;  // lines and emotes
+  Allowance renames;
+  std::string talkRefusal;                             // that the client was told last; empty: since then it was heard
   unsigned maxInputs = protocol::kMaxInputsPerSecond;  // a second
   SecondWindow badMessages;
   Subscription subscription;

@@ -141,6 +141,8 @@ Player::Totals Player::ReadTotals() const {
 void Player::HearEvent(const client::Client::Event& event) {
   if (event.kind == wire::EventKind::Join && event.body != 0 && m_names.size() < protocol::kMaxBodies) {
     m_names[event.body] = event.name;
+  } else if (event.kind == wire::EventKind::Rename && m_names.contains(event.body)) {
+    m_names[event.body] = event.name;
   } else if (event.kind == wire::EventKind::Leave || event.kind == wire::EventKind::BodyRemoved) {
     m_names.erase(event.body);
   }

@@ -72,6 +72,12 @@ const char* Name(wire::EventKind kind) {
       return "removed";
     case wire::EventKind::Fall:
       return "fall";
+    case wire::EventKind::Said:
+      return "said";
+    case wire::EventKind::Emote:
+      return "emote";
+    case wire::EventKind::Rename:
+      return "rename";
   }
   return "unknown";
 }

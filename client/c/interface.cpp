@@ -27,9 +27,23 @@ static_assert(WOBBLE_PLANE == static_cast<int>(ObstacleKind::Plane) &&
               WOBBLE_SPHERE == static_cast<int>(ObstacleKind::Sphere) &&
               WOBBLE_CAPSULE == static_cast<int>(ObstacleKind::Capsule));
 static_assert(WOBBLE_MAY_GRAB == protocol::kMayGrab && WOBBLE_MAY_CUT == protocol::kMayCut &&
-              WOBBLE_MAY_PUSH == protocol::kMayPush && WOBBLE_MAY_BUILD == protocol::kMayBuild);
+              WOBBLE_MAY_PUSH == protocol::kMayPush && WOBBLE_MAY_BUILD == protocol::kMayBuild &&
+              WOBBLE_MAY_SAY == protocol::kMaySay && WOBBLE_MAY_EMOTE == protocol::kMayEmote);
 static_assert(WOBBLE_RANK_WATCHER == static_cast<int>(protocol::wire::Rank::Watcher) &&
               WOBBLE_RANK_OWNER == static_cast<int>(protocol::wire::Rank::MAX));
+
+// Does something with a text of 1 to maxBytes, while the client plays.
+template <typename Call>
+wobble_result Tell(wobble_client* client, const char* text, std::size_t maxBytes, Call&& call) {
+  if (client == nullptr || text == nullptr) return WOBBLE_NULL;
+  const auto line = ReadText(text);
+  if (!line || line->empty() || line->size() > maxBytes) return WOBBLE_BAD_VALUE;
+  if (!client->player->IsPlaying()) return WOBBLE_NOT_PLAYING;
+  return Guard([&] {
+    call(std::string(*line));
+    return WOBBLE_OK;
+  });
+}
 
 // nullopt: the text cannot be one.
 std::optional<Credential> ReadCredential(const char* text, Credential::Kind kind) {
@@ -117,7 +131,8 @@ wobble_status MakeStatus(const Player& player) {
       .reason = player.Lasting().Reason().c_str(),
       .server_key = player.ServerKey().c_str(),
       .rank = static_cast<std::int32_t>(welcome.rank),
-      .reserved = 0};
+      .talk = welcome.talk,
+      .description = welcome.description.c_str()};
 }
 
 std::optional<wobble_obstacle> FindObstacle(const client::Client& client, std::uint32_t index) {
@@ -287,6 +302,26 @@ wobble_result wobble_cut(wobble_client* client, uint32_t body, const float eye[3
   });
 }
 
+wobble_result wobble_say(wobble_client* client, const char* text) {
+  return Tell(client, text, wobble::protocol::kMaxSaidBytes,
+              [&](const std::string& line) { client->player->Current().Say(line); });
+}
+
+wobble_result wobble_emote(wobble_client* client, int32_t emote) {
+  if (client == nullptr) return WOBBLE_NULL;
+  if (emote < WOBBLE_WAVE || emote > WOBBLE_CHEER) return WOBBLE_BAD_VALUE;
+  if (!client->player->IsPlaying()) return WOBBLE_NOT_PLAYING;
+  return Guard([&] {
+    client->player->Current().Emote(static_cast<wobble::protocol::wire::EmoteKind>(emote));
+    return WOBBLE_OK;
+  });
+}
+
+wobble_result wobble_rename(wobble_client* client, const char* name) {
+  return Tell(client, name, wobble::protocol::kMaxNameBytes,
+              [&](const std::string& line) { client->player->Rename(line); });
+}
+
 wobble_result wobble_sample(wobble_client* client, double now, wobble_frame* frame) {
   if (client == nullptr) return WOBBLE_NULL;
   if (frame != nullptr) {
@@ -323,7 +358,9 @@ wobble_result wobble_next_event(wobble_client* client, wobble_event* event) {
                      .kind = taken->kind,
                      .client_id = taken->clientId,
                      .body = taken->body,
-                     .text = taken->text.c_str()},
+                     .text = taken->text.c_str(),
+                     .emote = taken->emote,
+                     .reserved = 0},
         *event);
   return WOBBLE_OK;
 }

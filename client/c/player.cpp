@@ -15,7 +15,26 @@ using protocol::wire::EventKind;
 static_assert(WOBBLE_JOIN == static_cast<int>(EventKind::Join) && WOBBLE_LEAVE == static_cast<int>(EventKind::Leave) &&
               WOBBLE_RESPAWN == static_cast<int>(EventKind::Respawn) &&
               WOBBLE_BODY_REMOVED == static_cast<int>(EventKind::BodyRemoved) &&
-              WOBBLE_FALL == static_cast<int>(EventKind::Fall) && WOBBLE_NOTICE > static_cast<int>(EventKind::MAX));
+              WOBBLE_FALL == static_cast<int>(EventKind::Fall));
+static_assert(WOBBLE_CHEER == static_cast<int>(protocol::wire::EmoteKind::MAX));
+
+namespace {
+
+// Behind Fall the interface has kinds of its own.
+std::int32_t ToKind(EventKind kind) {
+  switch (kind) {
+    case EventKind::Said:
+      return WOBBLE_SAID;
+    case EventKind::Emote:
+      return WOBBLE_EMOTED;
+    case EventKind::Rename:
+      return WOBBLE_RENAMED;
+    default:
+      return static_cast<std::int32_t>(kind);
+  }
+}
+
+}  // namespace
 
 std::unique_ptr<Player> Player::Connect(PlayerOptions options, double now) {
   std::unique_ptr<Player> player(new Player(std::move(options)));
@@ -45,7 +64,7 @@ void Player::Prepare(client::Client& client) {
   m_hasConnected = true;
   client.SetInput(m_input);
   client.OnEvent([this](const client::Client::Event& event) {
-    Add({static_cast<std::int32_t>(event.kind), event.clientId, event.body, event.name});
+    Add({ToKind(event.kind), event.clientId, event.body, event.name, static_cast<std::int32_t>(event.emote)});
   });
   client.OnNotice([this](const std::string& text) { Add({.kind = WOBBLE_NOTICE, .text = text}); });
   client.OnNextScene([this](const std::string& scene) { Add({.kind = WOBBLE_NEW_WORLD, .text = scene}); });

@@ -25,6 +25,7 @@ struct Event {
   std::uint32_t clientId = 0;
   std::uint32_t body = 0;
   std::string text = {};
+  std::int32_t emote = 0;
 };
 inline constexpr std::size_t kMaxEvents = 1024;  // that wait; the oldest are dropped
 
@@ -39,6 +40,8 @@ class Player {
   void Leave(double now) { m_client->Leave(now); }
   // Holds over a return.
   void SetInput(const client::Input& input);
+
+  void Rename(const std::string& name) { m_client->Rename(name); }
 
   [[nodiscard]] bool IsPlaying() const;
   [[nodiscard]] client::LastingClient& Lasting() { return *m_client; }

@@ -43,6 +43,7 @@ constexpr Key kKeys[] = {
     {.name = "rounds", .kind = Kind::kWhole, .ofAll = true, .ofWorld = true},
     {.name = "after_match", .kind = Kind::kText, .ofAll = true, .ofWorld = true},
     {.name = "reset_when_empty", .kind = Kind::kFlag, .ofAll = true, .ofWorld = true},
+    {.name = "no_chat", .kind = Kind::kFlag, .ofAll = true, .ofWorld = true},
     {.name = "admit_when_busy", .kind = Kind::kFlag, .ofAll = true, .ofWorld = true},
     {.name = "announce", .kind = Kind::kFlag, .ofAll = true, .ofWorld = true},
     {.name = "hidden", .kind = Kind::kFlag, .ofAll = true, .ofWorld = true},

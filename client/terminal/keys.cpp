@@ -12,6 +12,7 @@ namespace wobble::terminal {
 namespace {
 
 constexpr std::size_t kMaxParameters = 64;  // bytes; longer sequences are not ours
+constexpr int kDelete = 0x7F;               // what the key Backspace sends
 constexpr int kControl = 4;                 // bit in the modifiers
 constexpr int kAlt = 2;
 constexpr int kReleaseEvent = 3;
@@ -61,6 +62,7 @@ char32_t FindArrow(char final) {
 char32_t FindKey(const std::array<int, 3>& codes, int modifiers) {
   constexpr int kShift = 1;
   int code = (modifiers & kShift) != 0 && codes[1] > 0 ? codes[1] : codes[0];
+  if (code == kDelete) return kKeyBackspace;
   if (code > 0x7E && codes[2] > 0) code = codes[2];
   if (code <= 0 || code > 0x7E) return 0;
   if ((modifiers & kControl) != 0) return static_cast<char32_t>(code & 0x1F);
@@ -92,7 +94,7 @@ void KeyDecoder::Take(char byte, std::vector<KeyEvent>& events) {
   const auto code = static_cast<unsigned char>(byte);
   switch (m_state) {
     case State::kGround:
-      if (code < 0x7F) events.push_back({code});
+      if (code <= 0x7F) events.push_back({code == kDelete ? kKeyBackspace : code});
       return;
     case State::kEscape:
       m_parameters.clear();

@@ -12,6 +12,7 @@ inline constexpr char32_t kKeyUp = 0x110001;
 inline constexpr char32_t kKeyDown = 0x110002;
 inline constexpr char32_t kKeyRight = 0x110003;
 inline constexpr char32_t kKeyLeft = 0x110004;
+inline constexpr char32_t kKeyBackspace = 0x110006;
 inline constexpr char32_t kKeyEscape = 0x1B;
 // Not a key: the terminal announces that it will report releases.
 inline constexpr char32_t kReleasesReported = 0x110005;

@@ -33,6 +33,29 @@ std::string FormatSilence(double seconds) {
 
 std::string FormatRejoining(const std::string& reason) { return "connection lost (" + reason + "); joining again ..."; }
 
+std::string FormatField(const std::string& text, int columns) {
+  const std::size_t room = columns > 8 ? static_cast<std::size_t>(columns - 8) : 0;
+  return "say: " + text.substr(text.size() - std::min(room, text.size())) + "_";
+}
+
+const char* DescribeEmote(wire::EmoteKind kind) {
+  switch (kind) {
+    case wire::EmoteKind::Wave:
+      return "waves";
+    case wire::EmoteKind::Laugh:
+      return "laughs";
+    case wire::EmoteKind::Love:
+      return "sends love";
+    case wire::EmoteKind::Wow:
+      return "is amazed";
+    case wire::EmoteKind::Sad:
+      return "is sad";
+    case wire::EmoteKind::Cheer:
+      return "cheers";
+  }
+  return "shows something";
+}
+
 void WriteStatus(CellGrid& grid, const std::string& text, const std::string& hint) {
   const int row = grid.rows - 1;
   for (int column = 0; column < grid.columns; ++column) grid.At(column, row) = {U' ', kInk, kPaper};

@@ -33,6 +33,12 @@ struct StatusFigures {
 // Replaces the status line while the connection is lost and it tries to join again.
 [[nodiscard]] std::string FormatRejoining(const std::string& reason);
 
+// Replaces the status line while a line is written: the end of it that fits a row of so many columns.
+[[nodiscard]] std::string FormatField(const std::string& text, int columns);
+
+// Behind a player's name.
+[[nodiscard]] const char* DescribeEmote(wire::EmoteKind kind);
+
 // Writes the last row. The hint stands at its right end, shortened to the key it begins with when there is little room.
 void WriteStatus(CellGrid& grid, const std::string& text, const std::string& hint);
 // Writes the first row.

@@ -29,6 +29,7 @@
 #include "client/terminal/guardian.h"
 #include "client/terminal/hands.h"
 #include "client/terminal/keys.h"
+#include "client/terminal/line_field.h"
 #include "client/terminal/picture_file.h"
 #include "client/terminal/renderer.h"
 #include "client/terminal/status.h"
@@ -80,6 +81,8 @@ class Watch {
   int Conclude();
 
   void ReadKeys(double now);
+  [[nodiscard]] bool TakeLine(const KeyEvent& event);
+  void Send(const std::string& line);
   void FollowNext();
   void NoteEvent(const client::Client::Event& event);
   void NoteNextScene(const std::string& scene);
@@ -119,6 +122,7 @@ class Watch {
 
   KeyDecoder m_decoder;
   Controls m_controls;
+  LineField m_line;
   std::vector<KeyEvent> m_events;
   bool m_gone = false;  // the terminal has closed
 
@@ -259,12 +263,37 @@ void Watch::ReadKeys(double now) {
   m_decoder.Feed(bytes, now, m_events);
   const bool hasBody = IsPlaying() && Client().Welcome().ownBody != 0;
   const bool hasWatched = hasBody || m_followed.Body() != 0;
-  for (const KeyEvent& event : m_events) m_controls.Take(event, now, hasWatched, m_camera);
+  for (const KeyEvent& event : m_events) {
+    if (!TakeLine(event)) m_controls.Take(event, now, hasWatched, m_camera);
+  }
   if (m_controls.TakePause()) m_guard.Pause();
   for (const char32_t key : m_controls.TakeOthers()) {
     if (hasBody) m_hands.Take(key, m_camera, m_samples, Client());
     if (IsPlaying() && FilmKeys::IsFilm(Client())) m_film.Take(key, Client());
     if (IsPlaying() && !hasBody && key == kFollowKey) FollowNext();
+  }
+}
+
+// False: the key is for others.
+bool Watch::TakeLine(const KeyEvent& event) {
+  constexpr char32_t kControlC = 3, kControlZ = 26;
+  if (!IsPlaying() || event.key == kControlC || event.key == kControlZ) return false;
+  if (m_line.IsOpen()) {
+    if (const auto line = m_line.Take(event); line && !line->empty()) Send(*line);
+    return event.key != kReleasesReported;  // which is no key
+  }
+  const bool opens = event.key == kKeyEnter && !event.released && (Client().Welcome().talk & protocol::kMaySay) != 0;
+  if (!opens) return false;
+  m_controls.ReleaseAll();
+  m_line.Open();
+  return true;
+}
+
+void Watch::Send(const std::string& line) {
+  if (line[0] == '/') {
+    Client().Order(line.substr(1));
+  } else {
+    Client().Say(line);
   }
 }
 
@@ -290,6 +319,15 @@ void Watch::NoteEvent(const client::Client::Event& event) {
     const auto fallen = m_players.find(event.body);
     const std::string who = fallen == m_players.end() ? "somebody" : fallen->second;
     Show(event.clientId == 0 ? who + " fell off" : NameOf(event.clientId) + " pushed " + who + " off");
+  } else if (event.kind == wire::EventKind::Said) {
+    Show(NameOf(event.clientId) + ": " + MakePlain(event.name));
+  } else if (event.kind == wire::EventKind::Emote) {
+    Show(NameOf(event.clientId) + " " + DescribeEmote(event.emote));
+  } else if (event.kind == wire::EventKind::Rename) {
+    const std::string name = MakePlain(event.name);
+    Show(NameOf(event.clientId) + " is " + name + " now");
+    if (event.body != 0) m_players[event.body] = name;
+    m_clients[event.clientId] = name;
   }
 }
 
@@ -368,7 +406,8 @@ void Watch::WriteFigures(double now) {
   std::string words = now < m_noticeUntil ? m_notice : FormatStatus(m_figures);
   if (now >= m_newsAt + kSilence) words = FormatSilence(now - m_newsAt);
   if (!IsPlaying()) words = FormatRejoining(MakePlain(m_player->Reason()));
-  WriteStatus(m_grid, words, "?: keys");
+  if (m_line.IsOpen()) words = FormatField(m_line.Text(), m_grid.columns);
+  WriteStatus(m_grid, words, m_line.IsOpen() ? "Enter: say it" : "?: keys");
   if (m_controls.ShowsKeys()) WriteBox(m_grid, DescribeKeys(m_figures, DescribeOtherKeys(isFilm)));
 }
 
@@ -376,6 +415,7 @@ void Watch::WriteFigures(double now) {
 std::vector<std::string> Watch::DescribeOtherKeys(bool isFilm) {
   std::vector<std::string> lines = isFilm ? DescribeFilmKeys() : DescribeHandKeys(Client());
   if (Client().Welcome().ownBody == 0) lines.emplace_back("B                follow the next player");
+  if ((Client().Welcome().talk & protocol::kMaySay) != 0) lines.emplace_back("Enter            say a line to all");
   return lines;
 }
 

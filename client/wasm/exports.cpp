@@ -106,10 +106,12 @@ EMSCRIPTEN_KEEPALIVE void Cut(Session* session, std::uint32_t body) {
   if (input.size() == sizeof corners) std::memcpy(corners.data(), input.data(), sizeof corners);
   session->Client().Cut(body, corners[0], corners[1], corners[2]);
 }
-// The line is at the address of PrepareInput.
-EMSCRIPTEN_KEEPALIVE void Order(Session* session, std::size_t size) {
-  const auto line = session->Input(size);
-  session->Client().Order(std::string(line.begin(), line.end()));
+// Lines and names are at the address of PrepareInput.
+EMSCRIPTEN_KEEPALIVE void Order(Session* session, std::size_t size) { session->Client().Order(session->Line(size)); }
+EMSCRIPTEN_KEEPALIVE void Say(Session* session, std::size_t size) { session->Client().Say(session->Line(size)); }
+EMSCRIPTEN_KEEPALIVE void Rename(Session* session, std::size_t size) { session->Client().Rename(session->Line(size)); }
+EMSCRIPTEN_KEEPALIVE void Emote(Session* session, unsigned kind) {
+  session->Client().Emote(static_cast<wobble::protocol::wire::EmoteKind>(kind));
 }
 EMSCRIPTEN_KEEPALIVE void Inspect(Session* session, std::uint32_t body) { session->Client().Inspect(body); }
 EMSCRIPTEN_KEEPALIVE void Tune(Session* session, unsigned kind, float x, float y, float z) {

@@ -86,8 +86,10 @@ struct WelcomeView {
   Text game;
   std::uint32_t workshop = 0;
   std::uint32_t rank = 0;  // wire::Rank
+  Text description;
+  std::uint32_t talk = 0;  // bits kMaySay, kMayEmote
 };
-static_assert(sizeof(WelcomeView) == 16 * 4);
+static_assert(sizeof(WelcomeView) == 19 * 4);
 static_assert(sizeof(protocol::wire::Obstacle) == 32);
 
 struct EventView {
@@ -95,8 +97,9 @@ struct EventView {
   std::uint32_t clientId = 0;
   std::uint32_t body = 0;
   Text name;
+  std::uint32_t emote = 0;
 };
-static_assert(sizeof(EventView) == 5 * 4);
+static_assert(sizeof(EventView) == 6 * 4);
 
 struct StatisticsView {
   float snapshots = 0;

@@ -103,6 +103,8 @@ const WelcomeView& Session::MakeWelcome() {
   m_welcomeView.game = MakeText(welcome.game);
   m_welcomeView.workshop = welcome.workshop;
   m_welcomeView.rank = static_cast<std::uint32_t>(welcome.rank);
+  m_welcomeView.description = MakeText(welcome.description);
+  m_welcomeView.talk = welcome.talk;
   return m_welcomeView;
 }
 
@@ -133,6 +135,7 @@ const EventView* Session::TakeEvent() {
   m_eventView.clientId = m_event.clientId;
   m_eventView.body = m_event.body;
   m_eventView.name = MakeText(m_event.name);
+  m_eventView.emote = static_cast<std::uint32_t>(m_event.emote);
   return &m_eventView;
 }
 

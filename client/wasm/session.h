@@ -29,6 +29,10 @@ class Session {
   // function that uses them.
   [[nodiscard]] std::uint8_t* PrepareInput(std::size_t size);
   [[nodiscard]] std::span<const std::uint8_t> Input(std::size_t size) const;
+  [[nodiscard]] std::string Line(std::size_t size) const {
+    const auto bytes = Input(size);
+    return {bytes.begin(), bytes.end()};
+  }
 
   [[nodiscard]] client::Client& Client() { return m_client; }
   [[nodiscard]] WebSocketTransport& Transport() { return *m_transport; }

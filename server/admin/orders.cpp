@@ -26,6 +26,11 @@ using transport::Rank;
 
 namespace {
 
+std::string DescribeMute(const server::Server::Player& player) {
+  if (!player.isMuted) return "";
+  return std::isfinite(player.mutedFor) ? fmt::format(", muted for {:.0f} s", player.mutedFor) : ", muted";
+}
+
 Answer ListPlayers(Order& order) {
   Answer answer{.isDone = true, .lines = {}};
   for (const auto& player : order.realm.server.ListPlayers(order.now)) {
@@ -36,7 +41,7 @@ Answer ListPlayers(Order& order) {
                                        1000 * player.roundTrip, player.rate / 1000,
                                        hasAddress ? transport::FormatIp(admission.from) : "address unknown",
                                        admission.account != 0 ? fmt::format(", account {}", admission.account) : "",
-                                       player.isSpectator ? ", watches" : "", player.isMuted ? ", muted" : ""));
+                                       player.isSpectator ? ", watches" : "", DescribeMute(player)));
   }
   if (answer.lines.empty()) answer.lines.emplace_back("nobody is in");
   return answer;
@@ -44,9 +49,11 @@ Answer ListPlayers(Order& order) {
 
 Answer ShowStatus(Order& order) {
   const server::Server& server = order.realm.server;
-  return Done(fmt::format("scene {}, {} in, {}, tick {}{}", server.SceneName(), server.CountPlaying(),
+  const auto muted = std::ranges::count_if(server.ListPlayers(order.now), &server::Server::Player::isMuted);
+  return Done(fmt::format("scene {}, {} in, {}, tick {}{}{}", server.SceneName(), server.CountPlaying(),
                           server.IsLocked() ? "locked" : "open", server.World().Tick(),
-                          server.IsProtected() ? ", builds are protected" : ""));
+                          server.IsProtected() ? ", builds are protected" : "",
+                          muted == 0 ? "" : fmt::format(", {} muted", muted)));
 }
 
 Answer Kick(Order& order) {
@@ -57,16 +64,32 @@ Answer Kick(Order& order) {
   return Done(player->name + " is out");
 }
 
-Answer SetMuted(Order& order, bool isMuted) {
+Answer Mute(Order& order) {
   Answer refusal;
   const auto player = TakePlayer(order, refusal);
   if (!player) return refusal;
-  order.realm.server.SetMuted(player->client, isMuted);
-  return Done(player->name + (isMuted ? " may only move" : " may act again"));
+  std::uint64_t seconds = 0;
+  if (order.TakeIf("for")) {
+    const auto span = TakeSpan(order, refusal);
+    if (!span) return refusal;
+    seconds = *span;
+  }
+  if (!order.IsAtEnd()) return Refuse("mute takes PLAYER [for TIME]; too much: " + order.TakeRest());
+  if (seconds == 0) {
+    order.realm.server.Mute(player->client);
+    return Done(player->name + " may only move");
+  }
+  order.realm.server.Mute(player->client, order.now + static_cast<double>(seconds));
+  return Done(fmt::format("{} may only move, for {} s", player->name, seconds));
 }
 
-Answer Mute(Order& order) { return SetMuted(order, true); }
-Answer Unmute(Order& order) { return SetMuted(order, false); }
+Answer Unmute(Order& order) {
+  Answer refusal;
+  const auto player = TakePlayer(order, refusal);
+  if (!player) return refusal;
+  order.realm.server.Unmute(player->client);
+  return Done(player->name + " may act again");
+}
 
 Answer Lock(Order& order) {
   order.realm.server.SetLocked(true);
@@ -228,7 +251,8 @@ constexpr std::array kEntries{
           "keeps out, for 24h unless TIME says more or less", Rank::kModerator, AddBan},
     Entry{"bans", "", 0, "who is kept out", Rank::kModerator, ListBans},
     Entry{"unban", "BAN|ADDRESS|account:N", 1, "ends a ban", Rank::kModerator, LiftBan},
-    Entry{"mute", "PLAYER", 1, "lets a player move only: no hands, no tuning, no building", Rank::kModerator, Mute},
+    Entry{"mute", "PLAYER [for TIME]", 3, "lets a player move only: no lines, emotes, hands, tuning or building",
+          Rank::kModerator, Mute},
     Entry{"unmute", "PLAYER", 1, "takes that back", Rank::kModerator, Unmute},
     Entry{"lock", "", 0, "lets only moderators and owners come in", Rank::kModerator, Lock},
     Entry{"unlock", "", 0, "lets everybody come in again", Rank::kModerator, Unlock},

@@ -119,6 +119,12 @@ void AddClients(List& list, const Figures& f) {
   for (std::size_t i = 0; i < kQueries.size(); ++i) {
     list.Add({{"kind", kQueries[i]}}).counter.value = ToNumber(f.transport.queries[i]);
   }
+  list.Begin("wobble_talk_total", "What players told one another, by kind; refused: and did not get through.",
+             MetricType::Counter);
+  list.AddCounters("kind", {{"line", ToNumber(f.counts.said)},
+                            {"emote", ToNumber(f.counts.emotes)},
+                            {"rename", ToNumber(f.counts.renames)},
+                            {"refused", ToNumber(f.counts.talkRefused)}});
   list.AddCounter("wobble_client_stalls_total", "Times that clients had to show a body without news of it in time.",
                   ToNumber(f.counts.stalls));
   list.AddCounter("wobble_client_inputs_starved_total",

@@ -67,6 +67,25 @@ struct OrderCommand {
   std::string line;
 };
 
-using Command = std::variant<ShoveCommand, CutCommand, InspectCommand, TuneCommand, BuildCommand, OrderCommand>;
+// A line for everybody who is in.
+struct SayCommand {
+  std::string text;
+};
+
+// A sign over the player's body, of those that the wire's EmoteKind names.
+struct EmoteCommand {
+  std::uint8_t kind = 0;
+};
+
+// Another name.
+struct RenameCommand {
+  std::string name;
+};
+
+// What players tell one another; the world does not feel it.
+using TalkCommand = std::variant<SayCommand, EmoteCommand, RenameCommand>;
+
+using Command =
+    std::variant<ShoveCommand, CutCommand, InspectCommand, TuneCommand, BuildCommand, OrderCommand, TalkCommand>;
 
 }  // namespace wobble::server

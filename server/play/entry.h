@@ -10,6 +10,7 @@
 
 namespace wobble::server {
 
+// Of a client that is in: gives it this name.
 struct JoinEntry {
   ClientId client = 0;
   bool isSpectator = false;  // has no body

@@ -67,7 +67,11 @@ std::string Playground::Take(const Entry& entry) {
 }
 
 std::string Playground::Do(const JoinEntry& join) {
-  if (join.client == 0 || m_players.contains(join.client) || m_players.size() >= kMostPlayers) return "";
+  if (const auto found = m_players.find(join.client); found != m_players.end()) {
+    found->second.name = join.name;
+    return "";
+  }
+  if (join.client == 0 || m_players.size() >= kMostPlayers) return "";
   Player& player = m_players[join.client];
   player.name = join.name;
   if (join.isSpectator) return "";

@@ -142,6 +142,7 @@ void DescribeOptions(CLI::App& app, Options& options) {
   app.add_flag("--reset-when-empty", config.resetsWhenEmpty,
                "The world begins anew when the last client has left, or the next scene of --rotation: what was torn is "
                "whole for who comes next");
+  app.add_flag("--no-chat", config.forbidsChat, "Players say no lines to one another; emotes stay");
   addDuration("--for", options.runFor, "How long to run; 0: until Ctrl-C");
   addNumber("--seed", kSeedRange, config.seed, "Seed of the scene's random placement");
   app.add_option("--log-level", options.logLevel, "debug, info, warn, error or off")->capture_default_str();

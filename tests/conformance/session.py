@@ -296,6 +296,7 @@ def is_welcome_good(welcome):
     return bool(welcome['tick_hz'] > 0 and welcome['snapshot_hz'] > 0 and welcome['blueprint_count'] <= 255
                 and len(obstacles) <= 1024 and len(fields) <= 16 and welcome['hands'] <= 15 and welcome['reach'] >= 0
                 and len(welcome['game']) <= 32 and welcome['rank'] <= 3 and is_drive_good(welcome['drive'])
+                and welcome['talk'] <= 3 and len(welcome['description'] or '') <= 256
                 and (welcome['own_blueprint'] < welcome['blueprint_count'] or welcome['blueprint_count'] == 0)
                 and is_in_world(obstacles)
                 and (abs(lengths - 1) <= 1e-3).all() and all((halves[axis] >= 0).all() for axis in 'xyz')

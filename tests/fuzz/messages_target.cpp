@@ -48,6 +48,18 @@ unsigned Read(const wire::ClientMessage& message) {
     Require(order->line()->size() <= protocol::kMaxOrderBytes);
     return Sum(*order->line());
   }
+  if (const auto* say = message.body_as_Say()) {
+    Require(say->text()->size() <= protocol::kMaxSaidBytes);
+    return Sum(*say->text());
+  }
+  if (const auto* rename = message.body_as_Rename()) {
+    Require(rename->name()->size() <= protocol::kMaxNameBytes);
+    return Sum(*rename->name());
+  }
+  if (const auto* emote = message.body_as_Emote()) {
+    Require(emote->kind() <= wire::EmoteKind::MAX);
+    return static_cast<unsigned>(emote->kind());
+  }
   const auto* input = message.body_as_Input();
   Require(input != nullptr && input->frames()->size() <= protocol::kMaxInputFrames);
   unsigned sum = input->acked_sequence() + static_cast<unsigned>(input->acked_history()) + input->downloaded();
@@ -79,7 +91,10 @@ unsigned Read(const wire::ServerMessage& message) {
   }
   if (const auto* notice = message.body_as_Notice()) return Sum(*notice->text());
   if (const auto* next = message.body_as_NextScene()) return Sum(*next->scene());
-  if (const auto* event = message.body_as_Event()) return Sum(*event->name()) + event->body();
+  if (const auto* event = message.body_as_Event()) {
+    Require(event->emote() <= wire::EmoteKind::MAX);
+    return Sum(*event->name()) + event->body();
+  }
   if (const auto* goodbye = message.body_as_Goodbye()) return Sum(*goodbye->detail());
   unsigned sum = 0;
   if (const auto* welcome = message.body_as_Welcome()) {
@@ -90,6 +105,7 @@ unsigned Read(const wire::ServerMessage& message) {
       Require(field->columns() >= 2 && field->rows() >= 2);
       sum += field->low() > 0;
     }
+    if (welcome->description() != nullptr) sum += Sum(*welcome->description());
     return sum + Sum(*welcome->scene()) + Sum(*welcome->game());
   }
   if (const auto* rows = message.body_as_HeightRows()) {

@@ -74,6 +74,7 @@ class Match {
     };
     const auto control = [&](const protocol::Message& message) { say(transport::Channel::kControl, message); };
     const auto place = [&] { return protocol::Vector3{TakeLength(feed), TakeLength(feed), TakeLength(feed)}; };
+    if (choice >= 192) return Talk(feed, client);
     switch (choice % 12) {
       case 0:
         return Run(1 + feed.TakeByte() % 8);
@@ -132,6 +133,15 @@ class Match {
   static float TakeLength(Feed& feed) {
     const auto number = feed.Take<std::int16_t>();
     return number == 32767 ? feed.Take<float>() : static_cast<float>(number) / 4096;
+  }
+  static void Talk(Feed& feed, transport::Transport& client) {
+    const std::uint8_t choice = feed.TakeByte();
+    const std::string text = feed.TakeText();
+    const protocol::Message message = choice % 3 == 0 ? protocol::MakeSay(text.substr(0, protocol::kMaxSaidBytes))
+                                      : choice % 3 == 1
+                                          ? protocol::MakeRename(text.substr(0, protocol::kMaxNameBytes))
+                                          : protocol::MakeEmote(static_cast<protocol::wire::EmoteKind>(choice % 6));
+    static_cast<void>(client.Send(1, transport::Channel::kControl, message));
   }
   void SayInput(Feed& feed, transport::Transport& client) {
     std::vector<protocol::wire::InputFrame> frames;

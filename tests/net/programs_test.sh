@@ -528,8 +528,8 @@ case_administration() {
   expect_refusal 'could join .*: the password, invite or token is missing' \
     "${join[@]}" "127.0.0.1:$port" --invite-file "$folder/invite.txt"
   expect_line "$folder/server.err" 'not let in: wrong invite (1, last from 127.0.0.1)$'
-  expect_exit 1 wobble admin --socket "$socket" mute 7 for 1h
-  expect_line "$err" '^wobble admin: mute takes PLAYER; too much: for 1h$'
+  expect_exit 1 wobble admin --socket "$socket" mute 7 for 1h now
+  expect_line "$err" '^wobble admin: mute takes PLAYER \[for TIME\]; too much: now$'
   expect_refusal '^wobble admin: the order is empty' wobble admin --socket "$socket" ''
 
   # What the server warns of at its start.

@@ -10,6 +10,7 @@ public static class WobbleNative
     public const int Joining = 0, Playing = 1, Rejoining = 2, Ended = 3; // states
     public const uint Jump = 1, Puff = 2, Stiffen = 4;                   // buttons
     public const int Join = 0, Leave = 1, Respawn = 2, BodyRemoved = 3, Fall = 4, Notice = 5, NewWorld = 6;
+    public const int Said = 7, Emoted = 8, Renamed = 9;
 
     [StructLayout(LayoutKind.Sequential)]
     public struct ConnectOptions
@@ -26,6 +27,9 @@ public static class WobbleNative
         public uint clientId, ownBody, hands;
         public float reach, pace;
         public IntPtr scene, reason, serverKey; // UTF-8, see FromUtf8
+        public int rank;
+        public uint talk;
+        public IntPtr description;
     }
 
     [StructLayout(LayoutKind.Sequential)]
@@ -51,6 +55,7 @@ public static class WobbleNative
         public int kind;
         public uint clientId, body;
         public IntPtr text;
+        public int emote, reserved;
     }
 
     const string Library = "wobble"; // libwobble.so

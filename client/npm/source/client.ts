@@ -21,6 +21,7 @@ import {
   type Body,
   type BuildRequest,
   type Download,
+  type EmoteKind,
   type Forces,
   type Input,
   type Scoreboard,
@@ -294,10 +295,22 @@ export class Client {
 
   /** A line to the server's administration; the answer comes as notices. */
   order(line: string): void {
-    const bytes = kEncoder.encode(line);
-    const address = this.m_module._PrepareInput(this.m_session, bytes.length);
-    this.m_module.HEAPU8.set(bytes, address);
-    this.m_module._Order(this.m_session, bytes.length);
+    this.m_module._Order(this.m_session, this.writeText(line));
+  }
+
+  /** A line to everybody, 200 bytes at most; one a second, four at once. A notice tells when it was not sent. */
+  say(text: string): void {
+    this.m_module._Say(this.m_session, this.writeText(text));
+  }
+
+  /** Shows a sign over the player's body; counts as a line. */
+  emote(kind: EmoteKind): void {
+    this.m_module._Emote(this.m_session, kind);
+  }
+
+  /** Another name for this stay; Connection.rename keeps it for those to come. An event tells when it is in force. */
+  rename(name: string): void {
+    this.m_module._Rename(this.m_session, this.writeText(name));
   }
 
   /** Asks for the forces on a body, ten times a second; 0: for none. readForces has them. */
@@ -331,6 +344,14 @@ export class Client {
     this.m_now += Math.max(0, Math.min(kLongestGap, now - this.m_read));
     this.m_read = now;
     return this.m_now;
+  }
+
+  // Returns the length in bytes.
+  private writeText(text: string): number {
+    const bytes = kEncoder.encode(text);
+    const address = this.m_module._PrepareInput(this.m_session, bytes.length);
+    this.m_module.HEAPU8.set(bytes, address);
+    return bytes.length;
   }
 
   private writeWords(count: number, write: (floats: Float32Array, at: number) => void): void {

@@ -55,7 +55,7 @@ export class Connection {
   lostReason = '';
   /** s, round trip to the server */
   ping = 0;
-  /** this and world: from the next join on */
+  /** this and world: from the next join on; see rename */
   name: string;
   world: string;
   /** since the player began to join */
@@ -128,6 +128,12 @@ export class Connection {
     this.lostReason = '';
     this.hasPlayed = false;
     this.join();
+  }
+
+  /** Another name of the player, now and from now on. */
+  rename(name: string): void {
+    this.name = name;
+    this.playing?.rename(name);
   }
 
   /** From the next join to the present world on. Throws TypeError. */

@@ -155,6 +155,8 @@ export function readWelcome(module: WobbleModule, address: number): Welcome {
     game: readText(module, words[at + 12], words[at + 13]),
     workshop: words[at + 14],
     rank: words[at + 15],
+    description: readText(module, words[at + 16], words[at + 17]),
+    talk: words[at + 18],
   };
 }
 
@@ -180,8 +182,8 @@ function readGround(module: WobbleModule, address: number): Ground {
 }
 
 export function readEvent(module: WobbleModule, address: number): WorldEvent {
-  const [kind, clientId, body, name, nameLength] = module.HEAPU32.subarray(address >> 2, (address >> 2) + 5);
-  return { kind, clientId, body, name: readText(module, name, nameLength) };
+  const [kind, clientId, body, name, nameLength, emote] = module.HEAPU32.subarray(address >> 2, (address >> 2) + 6);
+  return { kind, clientId, body, name: readText(module, name, nameLength), emote };
 }
 
 export function readStatistics(module: WobbleModule, address: number, statistics: Statistics): void {

@@ -102,6 +102,26 @@ export interface Welcome {
   workshop: number;
   /** when the player came in */
   rank: Rank;
+  /** of the scene, a line for people; empty: none */
+  description: string;
+  /** bits of the enum Talk: what the player may tell the others */
+  talk: number;
+}
+
+/** Bits of Welcome.talk. */
+export enum Talk {
+  Say = 1,
+  Emote = 2,
+}
+
+/** What a player shows over their body for some seconds. */
+export enum EmoteKind {
+  Wave = 0,
+  Laugh = 1,
+  Love = 2,
+  Wow = 3,
+  Sad = 4,
+  Cheer = 5,
 }
 
 export enum Rank {
@@ -212,13 +232,22 @@ export enum EventKind {
   BodyRemoved = 3,
   /** body fell; clientId, if not 0, pushed it */
   Fall = 4,
+  /** clientId says name */
+  Said = 5,
+  /** clientId shows emote */
+  Emote = 6,
+  /** name is clientId's from now on */
+  Rename = 7,
 }
 
 export interface WorldEvent {
   kind: EventKind;
   clientId: number;
   body: number;
+  /** of Said: the line */
   name: string;
+  /** of Emote */
+  emote: EmoteKind;
 }
 
 /** As client/statistics.h has them; times in seconds. */

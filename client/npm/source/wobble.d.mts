@@ -44,6 +44,9 @@ export interface WobbleModule {
   _Push(session: number, body: number, vertex: number, x: number, y: number, z: number): void;
   _Cut(session: number, body: number): void;
   _Order(session: number, size: number): void;
+  _Say(session: number, size: number): void;
+  _Rename(session: number, size: number): void;
+  _Emote(session: number, kind: number): void;
   _Inspect(session: number, body: number): void;
   _Tune(session: number, kind: number, x: number, y: number, z: number): void;
   _Build(session: number): void;

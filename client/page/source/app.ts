@@ -12,6 +12,7 @@ import { Hints } from './hud/hints';
 import { InvitePanel } from './hud/invite_panel';
 import { LinkChart } from './hud/link_chart';
 import { CutName, People } from './hud/people';
+import { TalkPanel } from './hud/talk';
 import { Toasts } from './hud/toasts';
 import { MakeButton, MakeElement, SetPressed } from './hud/element';
 import { ViewPanel } from './hud/view_panel';
@@ -33,6 +34,7 @@ import { Eyes } from './scene/eyes';
 import { Labels } from './scene/labels';
 import { Quality } from './scene/quality';
 import { FindIsSoftware, Stage } from './scene/stage';
+import { Sound } from './sound/sound';
 import { Build } from './tools/build';
 import { Cut } from './tools/cut';
 import { Grab } from './tools/grab';
@@ -63,6 +65,8 @@ export class App {
   private readonly m_people: People;
   private readonly m_invite: InvitePanel;
   private readonly m_toasts = new Toasts();
+  readonly sound = new Sound();
+  private readonly m_talk: TalkPanel;
   private readonly m_chart = new LinkChart();
   private readonly m_card: ConnectionCard;
   private readonly m_board = new Board();
@@ -96,7 +100,9 @@ export class App {
     this.camera = new OrbitCamera(window.matchMedia('(prefers-reduced-motion: reduce)').matches);
     this.stage.scene.add(this.arena.group, this.bodies.group);
     this.m_eyes = new Eyes(this.stage.scene);
-    this.m_labels = new Labels(document.querySelector<HTMLElement>('#labels')!);
+    const labels = document.querySelector<HTMLElement>('#labels')!;
+    this.m_labels = new Labels(labels);
+    this.m_talk = new TalkPanel(labels, this.sound.element, () => this.connection.playing);
 
     const world = ReadWorld(offer);
     this.m_missing = world === null ? ReadAskedWorld() : '';
@@ -196,15 +202,21 @@ export class App {
     below.append(this.m_hints.element, this.m_buildPanel.element, this.m_hands.element);
     const touch = [this.m_touch.stick, this.m_touch.buttons];
     hud.append(this.m_people.element, corner, middle, ...touch, below, this.m_card.element, this.m_help.element);
-    hud.append(this.m_invite.element);
+    hud.append(this.m_talk.element, this.m_invite.element);
   }
 
   private Take(command: Command): void {
     if (typeof command === 'object') {
-      this.m_hands.Choose(command.tool);
+      if (!this.m_talk.TakeNumber(command.tool)) this.m_hands.Choose(command.tool);
       return;
     }
     switch (command) {
+      case 'say':
+        this.m_talk.Say();
+        return;
+      case 'emote':
+        this.m_talk.ShowEmotes();
+        return;
       case 'camera':
         this.camera.ChooseNextMode(this.players.ownBody !== 0 || this.players.followed !== 0);
         this.m_toasts.Add(`camera: ${this.camera.mode}`);
@@ -228,6 +240,7 @@ export class App {
       case 'escape':
         this.m_help.element.hidden = this.m_view.element.hidden = this.m_world.element.hidden = true;
         this.m_build.Drop();
+        this.m_talk.Close();
         break;
     }
     SetPressed(this.m_panelButtons[0], !this.m_view.element.hidden);
@@ -258,8 +271,10 @@ export class App {
 
   private Rename(name: string): void {
     KeepName(name);
-    this.connection.name = name;
-    this.connection.joinAgain();
+    if (this.connection.playing === null) {
+      this.connection.name = name;
+      this.connection.joinAgain();
+    } else this.connection.rename(name);
   }
 
   // Clears all state of the world before, be it of another connection or another scene.
@@ -272,6 +287,8 @@ export class App {
     this.m_invite.Clear();
     this.m_board.Hide();
     this.m_film.Hide();
+    this.m_talk.Begin(null);
+    this.sound.Clear();
   }
 
   private DrawFrame(): void {
@@ -300,7 +317,8 @@ export class App {
     this.Welcome(client);
     for (let event = client.takeEvent(); event !== null; event = client.takeEvent()) this.NoteEvent(event);
     for (let text = client.takeNotice(); text !== null; text = client.takeNotice()) {
-      if (!this.m_film.TakeNotice(text) && !this.m_invite.TakeNotice(text)) this.m_toasts.Add(text, true);
+      const isTaken = this.m_film.TakeNotice(text) || this.m_invite.TakeNotice(text) || this.m_talk.TakeNotice(text);
+      if (!isTaken) this.m_toasts.Add(text, true);
     }
     client.setPredicts(this.m_view.predicts);
     this.MoveBody(client, seconds);
@@ -318,7 +336,10 @@ export class App {
   private UpdateHud(client: Client, now: number): void {
     this.m_labels.Update(client, this.players, this.stage.camera, window.innerWidth, window.innerHeight);
     this.m_chart.Update(client, this.connection.ping, this.connection.findSilence(), now);
-    this.m_people.Update(this.welcome!.scene, this.players);
+    this.m_people.Update(this.welcome!, this.players);
+    this.m_talk.Update(client, this.players, this.stage.camera, now);
+    const right = this.camera.ToWorld(1, 0);
+    this.sound.Update(client, this.players, { ...this.camera.focus, rightX: right.x, rightY: right.y }, now);
     this.m_buildPanel.Update(this.m_hands.active === this.m_build);
     this.m_world.Update(this.camera.yaw);
     this.m_hints.Update(now);
@@ -334,6 +355,7 @@ export class App {
     this.m_newsFrom = readNow() + kQuietFor;
     document.title = `${welcome.scene} · wobble`;
     this.m_invite.Update(this.connection.world, welcome);
+    this.m_talk.Begin(welcome);
     this.arena.Build(welcome.obstacles, welcome.grounds);
     this.players.NoteOwn(welcome.clientId, welcome.ownBody, this.connection.name);
     this.camera.Reset(welcome.ownBody !== 0 ? CameraMode.Follow : CameraMode.Orbit);
@@ -345,10 +367,19 @@ export class App {
     const isNew = event.kind === EventKind.Join && !this.players.all.has(event.clientId);
     if (event.kind === EventKind.Leave) this.m_toasts.Add(`${this.players.FindName(event.clientId)} left`);
     if (event.kind === EventKind.Fall) this.m_toasts.Add(this.DescribeFall(event));
+    if (event.kind === EventKind.Rename) this.NoteRename(event);
     this.players.NoteEvent(event);
+    const isOwn = event.clientId === this.players.ownClient;
+    if (isOwn && (event.kind === EventKind.Join || event.kind === EventKind.Rename)) this.m_people.TakeOwnName(event.name);
+    this.m_talk.NoteEvent(event, this.players, readNow());
+    this.sound.NoteEvent(event);
     // Join events also arrive for players who were there before.
     const isNews = isNew && event.clientId !== this.players.ownClient && readNow() > this.m_newsFrom;
     if (isNews) this.m_toasts.Add(`${event.name} joined`);
+  }
+
+  private NoteRename(event: WorldEvent): void {
+    if (event.clientId !== this.players.ownClient) this.m_toasts.Add(`${this.players.FindName(event.clientId)} is ${event.name} now`);
   }
 
   private DescribeFall(event: WorldEvent): string {

@@ -31,6 +31,7 @@ export class Players {
   NoteEvent(event: WorldEvent): void {
     if (event.kind === EventKind.Join) this.Add({ clientId: event.clientId, name: event.name, body: event.body });
     if (event.kind === EventKind.Leave) this.Remove(event.clientId);
+    if (event.kind === EventKind.Rename) this.Rename(event.clientId, event.name);
   }
 
   // Follows this client's body, or nobody's if it already does.
@@ -54,6 +55,12 @@ export class Players {
 
   FindName(clientId: number): string {
     return this.all.get(clientId)?.name ?? 'somebody';
+  }
+
+  private Rename(clientId: number, name: string): void {
+    const player = this.all.get(clientId);
+    if (player !== undefined) player.name = name;
+    this.revision += 1;
   }
 
   private Add(player: Player): void {

@@ -30,6 +30,8 @@ export interface Probe {
   forces(): { body: number; kinds: string[] };
   workshop(): { particles: ParticleTag[]; springs: SpringTag[] };
   selected(): { particle: number; spring: number };
+  // The newest thuds that were played.
+  thuds(): { body: number; speed: number }[];
   decodedHash(): string;
   // False, and nothing is done, while blueprints that have come cannot be decoded with yet.
   restartDecodedHash(): boolean;
@@ -93,6 +95,7 @@ export function MakeProbe(app: App): Probe {
       return { particles, springs };
     },
     selected: () => ({ particle: app.bodies.selectedParticle, spring: app.bodies.selectedSpring }),
+    thuds: () => app.sound.played.map(({ body, speed }) => ({ body, speed })),
     decodedHash: () => client()?.readDecodedHash() ?? '',
     restartDecodedHash: () => {
       const present = client();

@@ -202,13 +202,14 @@ Frame Sample(Player& player, const Seconds& now) {
 }
 
 std::vector<Event> TakeEvents(Player& player) {
-  constexpr const char* kKinds[] = {"join", "leave", "respawn", "body_removed", "fall", "notice", "new_world"};
+  constexpr const char* kKinds[] = {"join",   "leave",     "respawn", "body_removed", "fall",
+                                    "notice", "new_world", "said",    "emoted",       "renamed"};
   std::vector<Event> events;
   Ask(player, "events", [&](wobble_client* client) {
     auto event = MakeStruct<wobble_event>();
     wobble_result result = WOBBLE_OK;
     while ((result = wobble_next_event(client, &event)) == WOBBLE_OK) {
-      const bool isKnown = event.kind >= 0 && event.kind <= WOBBLE_NEW_WORLD;
+      const bool isKnown = event.kind >= 0 && event.kind <= WOBBLE_RENAMED;
       events.push_back({isKnown ? kKinds[event.kind] : "unknown", event, event.text});
     }
     return result;
@@ -258,11 +259,12 @@ void DefineFrames(py::module_& module) {
       .def_readonly("bodies", &Frame::bodies, "By ascending number.");
   py::class_<Event>(module, "Event", "What has happened.")
       .def_readonly("kind", &Event::kind,
-                    "join, leave, respawn, body_removed, fall, notice, new_world; others may come.")
+                    "join, leave, respawn, body_removed, fall, notice, new_world, said, emoted, renamed; others may "
+                    "come.")
       .def_property_readonly("client_id", [](const Event& event) { return event.event.client_id; })
       .def_property_readonly(
           "body", [](const Event& event) { return event.event.body; }, "Its number; 0: none.")
-      .def_readonly("text", &Event::text, "A player's name, a line for the player, or a scene's name.");
+      .def_readonly("text", &Event::text, "A player's name, a line for the player or of one, or a scene's name.");
 }
 
 }  // namespace

@@ -101,8 +101,11 @@ TEST_F(OrdersTest, LockKeepsOutAndMuteKeepsStill) {
   EXPECT_TRUE(Give("mute 1").isDone);
   ada.Tune(protocol::wire::TuneKind::Gravity, {0, 0, 1});
   game->Run(0.5);
-  ASSERT_EQ(notices.size(), 1U);
+  ASSERT_EQ(notices.size(), 2U) << "at the mute, and at the try";
   EXPECT_EQ(game->server.World().Settings().gravity.z(), -9.81);
+  EXPECT_EQ(Give("mute 1 for 15m").lines.at(0), "Ada may only move, for 900 s");
+  EXPECT_NE(Give("players").lines.at(0).find("muted for 900 s"), std::string::npos);
+  EXPECT_NE(Give("status").lines.at(0).find(", 1 muted"), std::string::npos);
   EXPECT_TRUE(Give("unmute 1").isDone);
   ada.Tune(protocol::wire::TuneKind::Gravity, {0, 0, 1});
   game->Run(0.5);
@@ -159,7 +162,8 @@ TEST_F(OrdersTest, WordsComeInAnyOrderAndNoneIsDropped) {
   EXPECT_EQ(Give("invite for 1h moderator uses 3").lines.at(0).substr(16), ends.substr(16));
   Join("Ada");
   for (const auto& [order, words] :
-       {std::pair{"mute 1 for 1h", "for 1h"}, std::pair{"lock now", "now"}, std::pair{"rank 1 owner please", "please"},
+       {std::pair{"mute 1 please", "please"}, std::pair{"mute 1 for ages", "ages"},
+        std::pair{"mute 1 for 1h now", "now"}, std::pair{"lock now", "now"}, std::pair{"rank 1 owner please", "please"},
         std::pair{"invite player for 1h for 2h", "for"}, std::pair{"invite uses 3 times", "times"},
         std::pair{"invite player watcher", "watcher"}, std::pair{"revoke 1 2", "2"}, std::pair{"unban 1 2", "2"},
         std::pair{"protect on all", "all"}}) {

@@ -70,8 +70,9 @@ class ScriptedWorld {
   bool hasWorkshop = false;
   bool welcomed = false;
   bool isSpectator = false;
-  int commands = 0;     // pushes and cuts
-  int badMessages = 0;  // that no honest client sends
+  int commands = 0;               // pushes and cuts
+  std::vector<std::string> told;  // lines, numbers of emotes, and names
+  int badMessages = 0;            // that no honest client sends
   // Newest of these commands.
   protocol::BuildFields built;
   std::pair<wire::TuneKind, protocol::Vector3> tuned{wire::TuneKind::Gravity, {}};
@@ -95,6 +96,9 @@ class ScriptedWorld {
       isSpectator = hello->role() == wire::Role::Spectator;
       Welcome();
     }
+    if (const auto* say = message->body_as_Say()) told.push_back(say->text()->str());
+    if (const auto* emote = message->body_as_Emote()) told.push_back(std::to_string(static_cast<int>(emote->kind())));
+    if (const auto* rename = message->body_as_Rename()) told.push_back(rename->name()->str());
     if (message->body_as_Push() != nullptr || message->body_as_Cut() != nullptr) ++commands;
     if (const auto* build = message->body_as_Build()) {
       built = {build->kind(),       build->a(),

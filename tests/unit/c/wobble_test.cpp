@@ -190,6 +190,19 @@ TEST(Wobble, GivesEventsInOrderAndCountsThoseThatNobodyTook) {
   EXPECT_STREQ(event.text, "too far away");
   EXPECT_EQ(wobble_next_event(joined.client, &event), WOBBLE_NO_EVENT);
 
+  joined.world->Send(protocol::MakeEvent(wire::EventKind::Said, 101, 12, 5, "hello"));
+  joined.world->Send(protocol::MakeEvent(wire::EventKind::Emote, 101, 12, 5, "", wire::EmoteKind::Sad));
+  joined.world->Send(protocol::MakeEvent(wire::EventKind::Rename, 101, 12, 5, "Hopper"));
+  ASSERT_TRUE(joined.RunUntil(hasEvent));
+  EXPECT_EQ(event.kind, WOBBLE_SAID);
+  EXPECT_STREQ(event.text, "hello");
+  ASSERT_TRUE(joined.RunUntil(hasEvent));
+  EXPECT_EQ(event.kind, WOBBLE_EMOTED);
+  EXPECT_EQ(event.emote, WOBBLE_SAD);
+  ASSERT_TRUE(joined.RunUntil(hasEvent));
+  EXPECT_EQ(event.kind, WOBBLE_RENAMED);
+  EXPECT_STREQ(event.text, "Hopper");
+
   for (std::uint32_t i = 0; i < 1030; ++i) {
     joined.world->Send(protocol::MakeEvent(wire::EventKind::Leave, 102, i, 0, ""));
     if (i % 50 == 0) joined.Run(2);
@@ -229,6 +242,22 @@ class OnceJudge final : public transport::vestibule::Judge {
  private:
   bool m_isUsed = false;
 };
+
+TEST(Wobble, TellsTheOthers) {
+  Joined joined;
+  EXPECT_EQ(wobble_say(joined.client, "hello"), WOBBLE_NOT_PLAYING);
+  ASSERT_TRUE(joined.RunUntilState(WOBBLE_PLAYING));
+  EXPECT_EQ(wobble_say(joined.client, "hello"), WOBBLE_OK);
+  EXPECT_EQ(wobble_emote(joined.client, WOBBLE_LOVE), WOBBLE_OK);
+  EXPECT_EQ(wobble_rename(joined.client, "Grace"), WOBBLE_OK);
+  ASSERT_TRUE(joined.RunUntil([&] { return joined.world->told.size() == 3; }));
+  EXPECT_EQ(joined.world->told, (std::vector<std::string>{"hello", "2", "Grace"}));
+  for (const std::size_t size : {0U, 201U}) {
+    EXPECT_EQ(wobble_say(joined.client, std::string(size, 'a').c_str()), WOBBLE_BAD_VALUE);
+  }
+  EXPECT_EQ(wobble_rename(joined.client, std::string(33, 'a').c_str()), WOBBLE_BAD_VALUE);
+  for (const int emote : {-1, 6}) EXPECT_EQ(wobble_emote(joined.client, emote), WOBBLE_BAD_VALUE);
+}
 
 TEST(Wobble, JoinsAgainByItsTicketAndKeepsItsInput) {
   transport::ListenOptions listen;

@@ -82,6 +82,11 @@ TEST(WrongCalls, NullAndSmallStructsAreRefusedByEveryFunction) {
   EXPECT_EQ(wobble_set_hand(none, nullptr), WOBBLE_NULL);
   EXPECT_EQ(wobble_push(none, 1, 0, vector), WOBBLE_NULL);
   EXPECT_EQ(wobble_push(joined.client, 1, 0, nullptr), WOBBLE_NULL);
+  EXPECT_EQ(wobble_say(none, "hello"), WOBBLE_NULL);
+  EXPECT_EQ(wobble_say(joined.client, nullptr), WOBBLE_NULL);
+  EXPECT_EQ(wobble_rename(none, "Ada"), WOBBLE_NULL);
+  EXPECT_EQ(wobble_rename(joined.client, nullptr), WOBBLE_NULL);
+  EXPECT_EQ(wobble_emote(none, WOBBLE_WAVE), WOBBLE_NULL);
   EXPECT_EQ(wobble_cut(none, 1, vector, vector, vector), WOBBLE_NULL);
   EXPECT_EQ(wobble_cut(joined.client, 1, vector, nullptr, vector), WOBBLE_NULL);
   EXPECT_EQ(wobble_tune(none, 0, vector), WOBBLE_NULL);

@@ -64,6 +64,11 @@ TEST(Messages, WhatHandsDoOutOfRange) {
   EXPECT_EQ(ParseAs('c', MakeCut(1, {}, {}, {0, 0, kNan})), ParseResult::kOutOfRange);
   EXPECT_EQ(ParseAs('c', MakeOrder(std::string(kMaxOrderBytes, 'a'))), ParseResult::kOk);
   EXPECT_EQ(ParseAs('c', MakeOrder(std::string(kMaxOrderBytes + 1, 'a'))), ParseResult::kOutOfRange);
+  EXPECT_EQ(ParseAs('c', MakeSay(std::string(kMaxSaidBytes, 'a'))), ParseResult::kOk);
+  EXPECT_EQ(ParseAs('c', MakeSay(std::string(kMaxSaidBytes + 1, 'a'))), ParseResult::kOutOfRange);
+  EXPECT_EQ(ParseAs('c', MakeRename(std::string(kMaxNameBytes, 'a'))), ParseResult::kOk);
+  EXPECT_EQ(ParseAs('c', MakeRename(std::string(kMaxNameBytes + 1, 'a'))), ParseResult::kOutOfRange);
+  EXPECT_EQ(ParseAs('c', MakeEmote(static_cast<wire::EmoteKind>(6))), ParseResult::kOutOfRange);
   EXPECT_EQ(ParseAs('c', MakeTune(static_cast<wire::TuneKind>(4), {})), ParseResult::kOutOfRange);
   EXPECT_EQ(ParseAs('c', MakeTune(wire::TuneKind::Gravity, {0, kNan, 0})), ParseResult::kOutOfRange);
   EXPECT_EQ(ParseAs('c', MakeBuild({.kind = static_cast<wire::BuildKind>(6)})), ParseResult::kOutOfRange);
@@ -73,6 +78,10 @@ TEST(Messages, WhatHandsDoOutOfRange) {
   EXPECT_EQ(ParseAs('c', WrapClient(builder, wire::CreatePush(builder, 1, 2))), ParseResult::kMissingField);
   builder.Clear();
   EXPECT_EQ(ParseAs('c', WrapClient(builder, wire::CreateBuild(builder))), ParseResult::kMissingField);
+  builder.Clear();
+  EXPECT_EQ(ParseAs('c', WrapClient(builder, wire::CreateSay(builder))), ParseResult::kMissingField);
+  builder.Clear();
+  EXPECT_EQ(ParseAs('c', WrapClient(builder, wire::CreateRename(builder))), ParseResult::kMissingField);
 }
 
 TEST(Messages, WhatTheServerTellsOutOfRange) {
@@ -87,6 +96,16 @@ TEST(Messages, WhatTheServerTellsOutOfRange) {
   const auto forces = wire::CreateForces(builder, 1, 2, 1, sets);
   EXPECT_EQ(ParseAs('s', WrapServer(builder, forces)), ParseResult::kOutOfRange) << "no whole vectors";
   EXPECT_EQ(ParseAs('s', MakeNotice(std::string(kMaxNoticeBytes, 'a'))), ParseResult::kOk);
+  using Kind = wire::EventKind;
+  const auto parse = [](Kind kind, std::size_t bytes, wire::EmoteKind emote = {}) {
+    return ParseAs('s', MakeEvent(kind, 1, 2, 3, std::string(bytes, 'a'), emote));
+  };
+  EXPECT_EQ(parse(Kind::Said, kMaxSaidBytes), ParseResult::kOk);
+  EXPECT_EQ(parse(Kind::Said, kMaxSaidBytes + 1), ParseResult::kOutOfRange);
+  EXPECT_EQ(parse(Kind::Rename, kMaxNameBytes + 1), ParseResult::kOutOfRange);
+  EXPECT_EQ(parse(static_cast<Kind>(8), 0), ParseResult::kOutOfRange);
+  EXPECT_EQ(parse(Kind::Emote, 0, static_cast<wire::EmoteKind>(6)), ParseResult::kOutOfRange);
+  EXPECT_EQ(ParseAs('s', MakeWelcome({.tickHz = 60, .snapshotHz = 30, .talk = 4})), ParseResult::kOutOfRange);
 }
 
 TEST(Messages, TagsAreOneForEachOrNone) {

@@ -57,6 +57,8 @@ std::vector<Kind> MakeEveryKind() {
   welcome.hands = kMayGrab | kMayBuild;
   welcome.reach = 2.5F;
   welcome.game = "sumo";
+  welcome.description = "a ring, and who falls off has lost";
+  welcome.talk = kMaySay | kMayEmote;
   const Bytes part(64, 0xA5);
   const std::vector<std::uint64_t> kept{0x1122334455667788U, 1};
   const wire::Hand hand({1, 2, 3}, 4, 5, 6);
@@ -72,6 +74,9 @@ std::vector<Kind> MakeEveryKind() {
       {"cut", 'c', MakeCut(3, {1, 2, 3}, {4, 5, 6}, {7, 8, 9})},
       {"inspect", 'c', MakeInspect(3)},
       {"order", 'c', MakeOrder("kick 7")},
+      {"say", 'c', MakeSay("who plays sumo?")},
+      {"emote", 'c', MakeEmote(wire::EmoteKind::Cheer)},
+      {"rename", 'c', MakeRename("Bob")},
       {"tune", 'c', MakeTune(wire::TuneKind::TimeRate, {0.5F, 0, 0})},
       {"build", 'c', MakeBuild({.kind = wire::BuildKind::AddSpring, .a = 3, .b = 4, .stiffness = 200})},
       {"client goodbye", 'c', MakeClientGoodbye(wire::GoodbyeReason::Left, "bye")},
@@ -80,6 +85,8 @@ std::vector<Kind> MakeEveryKind() {
       {"kept blueprint", 's', MakeBlueprintChunk(1, 0x1122334455667788U, 1000, 1000, {})},
       {"height rows", 's', MakeHeightRows(1, 2, std::vector<std::uint16_t>{0, 1, 65535, 7})},
       {"event", 's', MakeEvent(wire::EventKind::Join, 1001, 7, 9, "Ada")},
+      {"said", 's', MakeEvent(wire::EventKind::Said, 1001, 7, 9, "who plays sumo?")},
+      {"emote of a player", 's', MakeEvent(wire::EventKind::Emote, 1001, 7, 9, "", wire::EmoteKind::Sad)},
       {"tuning", 's', MakeTuning({.stiffness = 2, .timeRate = 0.25F, .may = 7})},
       {"forces", 's', MakeForces(3, 1001, 1, forces)},
       {"scoreboard", 's',

@@ -70,6 +70,14 @@ inline void Read(const wire::ClientMessage& message) {
   } else if (const auto* order = message.body_as_Order()) {
     Touch(*order->line());
     EXPECT_LE(order->line()->size(), kMaxOrderBytes);
+  } else if (const auto* say = message.body_as_Say()) {
+    Touch(*say->text());
+    EXPECT_LE(say->text()->size(), kMaxSaidBytes);
+  } else if (const auto* rename = message.body_as_Rename()) {
+    Touch(*rename->name());
+    EXPECT_LE(rename->name()->size(), kMaxNameBytes);
+  } else if (const auto* emote = message.body_as_Emote()) {
+    EXPECT_LE(emote->kind(), wire::EmoteKind::MAX);
   } else if (const auto* goodbye = message.body_as_Goodbye()) {
     Read(*goodbye);
   } else {
@@ -84,6 +92,8 @@ inline void Read(const wire::ServerMessage& message) {
     EXPECT_GT(welcome->snapshot_hz(), 0);
     EXPECT_LE(welcome->blueprint_count(), kMaxBlueprints);
     Touch(*welcome->scene());
+    if (welcome->description() != nullptr) Touch(*welcome->description());
+    EXPECT_LE(welcome->talk(), 3);
     for (const wire::HeightField* field : *welcome->height_fields()) {
       EXPECT_LE(field->columns(), kMaxFieldNodes);
       EXPECT_GE(field->rows(), 2);
@@ -107,6 +117,7 @@ inline void Read(const wire::ServerMessage& message) {
   } else if (const auto* event = message.body_as_Event()) {
     EXPECT_LE(event->kind(), wire::EventKind::MAX);
     Touch(event->tick() + event->client_id() + event->body());
+    EXPECT_LE(event->emote(), wire::EmoteKind::MAX);
     Touch(*event->name());
   } else if (const auto* tuning = message.body_as_Tuning()) {
     ExpectFinite(*tuning->gravity());

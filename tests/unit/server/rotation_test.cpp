@@ -104,7 +104,7 @@ TEST(Rotation, RankNameNumberAndMutenessComeAlong) {
   game->Run(1);
   const Ear ear(ada);
   ASSERT_TRUE(game->server.SetRank(1, transport::Rank::kModerator));
-  ASSERT_TRUE(game->server.SetMuted(2, true));
+  ASSERT_TRUE(game->server.Mute(2));
   ASSERT_EQ(game->server.GoToNextScene(), "");
   game->Run(2);
   const auto players = game->server.ListPlayers(game->now);

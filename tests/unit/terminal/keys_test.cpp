@@ -34,6 +34,9 @@ std::string Describe(const std::vector<KeyEvent>& events) {
       case kKeyEscape:
         text += "esc";
         break;
+      case kKeyBackspace:
+        text += "back";
+        break;
       case kReleasesReported:
         text += "releases";
         break;
@@ -92,7 +95,8 @@ const std::vector<Case> kCases{
     {"\033[57441;2u", ""},  // Shift alone
     {"\033[99999999999u", ""},
     {"\033[;;;;u", ""},
-    {"\033[119u\xc3\xa4w\x7f", "+w +w"},
+    {"\033[119u\xc3\xa4w\x7f", "+w +w +back"},
+    {"\033[127u", "+back"},
     {"\033[1\x03w", "+C-C +w"},
     {"\033[1;\033[Bw", "+^D +w"},
 };

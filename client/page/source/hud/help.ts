@@ -14,6 +14,8 @@ const kKeys: [string, string][] = [
   ['V', 'view: forces, accelerations, springs'],
   ['X', 'surfaces on and off'],
   ['G', 'world: gravity, stiffness, time (if the scene allows it)'],
+  ['T or Enter', 'say a line to all'],
+  ['Q', 'show an emote: then 1 to 6'],
   ['H or ?', 'show this list'],
 ];
 

@@ -1,5 +1,6 @@
 // The name of the scene and of its players. The player's own name comes first and can be edited.
 import { MakeOwnColour, MakePlayerColour } from '../scene/colours';
+import type { Welcome } from 'wobble-client';
 import type { Player, Players } from '../players';
 import { MakeButton, MakeElement, SetPressed, SetText } from './element';
 
@@ -12,6 +13,7 @@ export class People {
   onFollow: (clientId: number) => void = () => {}; // of who has no body
   private readonly m_scene = MakeElement('span');
   private readonly m_count = MakeElement('span');
+  private readonly m_about = MakeElement('div', 'note about');
   private readonly m_list = MakeElement('ul');
   private readonly m_name = MakeElement('input', 'name-field');
   private m_revision = -1;
@@ -33,11 +35,17 @@ export class People {
     });
     const own = MakeElement('li');
     own.append(MakeDot(`#${MakeOwnColour().getHexString()}`), this.m_name);
-    this.element.append(invite, menu, title, own, this.m_list);
+    this.element.append(invite, menu, title, this.m_about, own, this.m_list);
   }
 
-  Update(scene: string, players: Players): void {
+  // The name that the server gives the player.
+  TakeOwnName(name: string): void {
+    if (document.activeElement !== this.m_name) this.m_name.value = name;
+  }
+
+  Update({ scene, description }: Welcome, players: Players): void {
     SetText(this.m_scene, scene);
+    if (this.m_about.title !== description) this.m_about.title = this.m_about.textContent = description;
     if (this.m_revision === players.revision) return;
     this.m_revision = players.revision;
     const others = [...players.all.values()].filter((player) => player.clientId !== players.ownClient);

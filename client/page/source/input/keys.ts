@@ -1,5 +1,8 @@
 // The keyboard: held keys become the body's input, all others act once.
-export type Command = 'camera' | 'view' | 'world' | 'help' | 'surface' | 'escape' | 'remove' | { tool: number };
+export type Command =
+  | 'say'
+  | 'emote'
+  | 'camera' | 'view' | 'world' | 'help' | 'surface' | 'escape' | 'remove' | { tool: number };
 
 const kHeld: Record<string, string> = {
   KeyW: 'forward',
@@ -28,6 +31,11 @@ const kCommands: Record<string, Command> = {
   Digit2: { tool: 1 },
   Digit3: { tool: 2 },
   Digit4: { tool: 3 },
+  Digit5: { tool: 4 },
+  Digit6: { tool: 5 },
+  KeyT: 'say',
+  Enter: 'say',
+  KeyQ: 'emote',
 };
 
 export class Keys {
@@ -62,6 +70,7 @@ export class Keys {
     }
     const command = event.key === '?' ? 'help' : kCommands[event.code];
     if (command === undefined || event.repeat) return;
+    if (command === 'say') event.preventDefault(); // the key is not for the field that opens
     this.onCommand(command);
   }
 }
