@@ -226,6 +226,8 @@ enum {
   WOBBLE_FALL = 4,       // body has fallen off; client_id: who is said to have pushed it, or 0
   WOBBLE_NOTICE = 5,     // text: a line for the player, such as why something was not done
   WOBBLE_NEW_WORLD = 6,  // the server's next scene (text), or a return (""): bodies and clients have new numbers
+  WOBBLE_GOAL = 7,       // body, the ball, is in a goal; client_id: who has scored it, or 0
+  WOBBLE_CROWN = 8,      // client_id wears the crown, body, from now on
 };
 
 typedef struct wobble_event {

@@ -94,6 +94,7 @@ struct Session {
   transport::Admission admission;
   bool isMuted = false;  // may move, and nothing else
   bool spectator = false;
+  bool isBot = false;
   physics::BodyId body = 0;  // 0: none
   InputBuffer inputs;
   std::optional<HandCommand> hand;  // as of the newest input

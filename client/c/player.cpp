@@ -15,7 +15,18 @@ using protocol::wire::EventKind;
 static_assert(WOBBLE_JOIN == static_cast<int>(EventKind::Join) && WOBBLE_LEAVE == static_cast<int>(EventKind::Leave) &&
               WOBBLE_RESPAWN == static_cast<int>(EventKind::Respawn) &&
               WOBBLE_BODY_REMOVED == static_cast<int>(EventKind::BodyRemoved) &&
-              WOBBLE_FALL == static_cast<int>(EventKind::Fall) && WOBBLE_NOTICE > static_cast<int>(EventKind::MAX));
+              WOBBLE_FALL == static_cast<int>(EventKind::Fall) && EventKind::MAX == EventKind::Crown);
+
+namespace {
+
+// Kinds that came later than WOBBLE_NOTICE have numbers of their own here.
+std::int32_t FindKind(EventKind kind) {
+  if (kind == EventKind::Goal) return WOBBLE_GOAL;
+  if (kind == EventKind::Crown) return WOBBLE_CROWN;
+  return static_cast<std::int32_t>(kind);
+}
+
+}  // namespace
 
 std::unique_ptr<Player> Player::Connect(PlayerOptions options, double now) {
   std::unique_ptr<Player> player(new Player(std::move(options)));
@@ -45,7 +56,7 @@ void Player::Prepare(client::Client& client) {
   m_hasConnected = true;
   client.SetInput(m_input);
   client.OnEvent([this](const client::Client::Event& event) {
-    Add({static_cast<std::int32_t>(event.kind), event.clientId, event.body, event.name});
+    Add({FindKind(event.kind), event.clientId, event.body, event.name});
   });
   client.OnNotice([this](const std::string& text) { Add({.kind = WOBBLE_NOTICE, .text = text}); });
   client.OnNextScene([this](const std::string& scene) { Add({.kind = WOBBLE_NEW_WORLD, .text = scene}); });
