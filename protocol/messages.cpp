@@ -188,10 +188,10 @@ Message MakeScoreboard(const ScoreboardFields& fields) {
   const auto scores = builder.CreateVectorOfStructs(fields.scores);
   const auto seats = CreateUnlessEmpty<wire::Seat>(builder, fields.seats);
   const auto sides = CreateUnlessEmpty<wire::SideScore>(builder, fields.sides);
-  return FinishServerMessage(builder,
-                             wire::CreateScoreboard(builder, fields.phase, fields.round, fields.secondsLeft,
-                                                    fields.pointsToWin, fields.winner, scores, fields.rounds, seats,
-                                                    sides, fields.winningSide, fields.object, fields.bearer));
+  return FinishServerMessage(
+      builder,
+      wire::CreateScoreboard(builder, fields.phase, fields.round, fields.secondsLeft, fields.pointsToWin, fields.winner,
+                             scores, fields.rounds, seats, sides, fields.winningSide, fields.object, fields.bearer));
 }
 
 Message MakeNotice(std::string_view text) {

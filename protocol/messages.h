@@ -136,10 +136,10 @@ struct ScoreboardFields {
   std::uint16_t round = 0;
   std::uint16_t secondsLeft = 0;  // of the phase
   std::uint16_t pointsToWin = 0;
-  std::uint32_t winner = 0;              // of the last round, or the match; 0: nobody
-  std::vector<wire::Score> scores = {};  // at most kMaxScores
-  std::uint16_t rounds = 0;              // that make a match; 0: it never ends
-  std::vector<wire::Seat> seats = {};    // one for each score
+  std::uint32_t winner = 0;                 // of the last round, or the match; 0: nobody
+  std::vector<wire::Score> scores = {};     // at most kMaxScores
+  std::uint16_t rounds = 0;                 // that make a match; 0: it never ends
+  std::vector<wire::Seat> seats = {};       // one for each score
   std::vector<wire::SideScore> sides = {};  // two, or none
   std::uint8_t winningSide = 0;             // 0: none
   std::uint32_t object = 0;                 // the ball or the crown; 0: none

@@ -143,7 +143,8 @@ void Server::SendStandings() {
     board.seats.emplace_back(static_cast<std::uint8_t>(each.side), each.isReady, each.isBot);
   }
   if (m_stage->playground.Scene().game.HasSides()) {
-    for (const Match::Side& side : match.Read().sides) board.sides.emplace_back(narrow(side.points), narrow(side.rounds));
+    for (const Match::Side& side : match.Read().sides)
+      board.sides.emplace_back(narrow(side.points), narrow(side.rounds));
   }
   Broadcast(protocol::MakeScoreboard(board));
 }

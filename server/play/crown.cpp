@@ -5,8 +5,8 @@
 namespace wobble::server {
 namespace {
 
-constexpr double kPause = 1;        // after the crown has changed hands, s
-constexpr double kPointTime = 1;    // of wearing it for a point, s
+constexpr double kPause = 1;         // after the crown has changed hands, s
+constexpr double kPointTime = 1;     // of wearing it for a point, s
 constexpr double kCrownSinks = 0.5;  // share of the crown's reach by which it sits lower than just above the body
 
 }  // namespace

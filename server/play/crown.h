@@ -39,7 +39,8 @@ struct Crown {
   // It lies free: its bearer has fallen, or all are put back.
   void Drop();
   void Forget(ClientId client);
-  // How the bearer's hand holds the crown on the head; head: the centre of the bearer's body; reaches of both bodies, m.
+  // How the bearer's hand holds the crown on the head; head: the centre of the bearer's body; reaches of both bodies,
+  // m.
   [[nodiscard]] HandCommand FindHand(physics::BodyId crown, const physics::Vector3d& head, double ownReach,
                                      double crownReach) const;
 };

@@ -14,8 +14,8 @@ Game::Rules MakeLaws(scenes::GameRules::Kind kind) {
 
 // Visits the players who touch the body.
 template <class Visit>
-void VisitTouching(physics::BodyId body, const physics::World& world, const std::map<physics::BodyId, ClientId>& players,
-                   Visit&& visit) {
+void VisitTouching(physics::BodyId body, const physics::World& world,
+                   const std::map<physics::BodyId, ClientId>& players, Visit&& visit) {
   std::vector<physics::BodyId> touching;
   world.ListTouching(body, touching);
   for (const physics::BodyId other : touching) {
@@ -40,7 +40,8 @@ Game::Game(const scenes::GameRules& rules, physics::BodyId object)
 
 bool Game::Write(const Memory& memory) {
   if (memory.rules.index() != m_laws.index()) return false;
-  if (const Crown* crown = std::get_if<Crown>(&memory.rules); crown != nullptr && !crown->lift.allFinite()) return false;
+  if (const Crown* crown = std::get_if<Crown>(&memory.rules); crown != nullptr && !crown->lift.allFinite())
+    return false;
   if (!m_match.Write(memory.match)) return false;
   m_laws = memory.rules;
   return true;

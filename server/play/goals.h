@@ -1,5 +1,5 @@
-// The rules of goals: two sides and one big ball. When the ball's centre is across a side's goal line, between the posts
-// and below the bar, the other side has a goal, and all are put back for the kick-off.
+// The rules of goals: two sides and one big ball. When the ball's centre is across a side's goal line, between the
+// posts and below the bar, the other side has a goal, and all are put back for the kick-off.
 #pragma once
 
 #include <array>

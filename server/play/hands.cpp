@@ -174,9 +174,8 @@ void Hands::Act(physics::World& world) {
 void Hands::Drag(Grip& grip, physics::World& world) {
   const physics::Body* body = world.FindBody(grip.command.body);
   // A client may name another body or vertex without closing its hand anew.
-  const bool holds =
-      body != nullptr && grip.command.vertex < world.BlueprintOf(*body).rest.size() &&
-      IsWithin(kSlip * m_rules.reach, grip.own, FindVertex(*body, grip.command.vertex), world);
+  const bool holds = body != nullptr && grip.command.vertex < world.BlueprintOf(*body).rest.size() &&
+                     IsWithin(kSlip * m_rules.reach, grip.own, FindVertex(*body, grip.command.vertex), world);
   if (!holds) {
     grip.vertices.clear();
     return;

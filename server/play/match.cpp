@@ -48,8 +48,7 @@ int Match::CountOn(int side) const {
 
 void Match::Enter(ClientId client, bool isBot) {
   const auto isPerson = [](const auto& entry) { return !entry.second.isBot; };
-  const bool beginsAnew =
-      !isBot && !m_memory.players.empty() && std::ranges::none_of(m_memory.players, isPerson);
+  const bool beginsAnew = !isBot && !m_memory.players.empty() && std::ranges::none_of(m_memory.players, isPerson);
   Standing& standing = m_memory.players[client];
   standing = {.client = client, .isReady = isBot, .isBot = isBot};
   if (m_rules.HasSides()) standing.side = CountOn(2) < CountOn(1) ? 2 : 1;

@@ -44,8 +44,8 @@ class Match {
     std::array<Side, 2> sides{};
     Phase phase = Phase::kPlaying;
     int round = 1;
-    int rounds = 0;         // that make a match; 0: it never ends
-    int matches = 0;        // that have been played to their end
+    int rounds = 0;          // that make a match; 0: it never ends
+    int matches = 0;         // that have been played to their end
     double secondsLeft = 0;  // of the phase
     double playLeft = 0;     // of the round's regular time, s
     double now = 0;          // s since the game began
@@ -74,7 +74,9 @@ class Match {
   void Advance(double seconds);
 
   // Whether points count now.
-  [[nodiscard]] bool IsCounting() const { return m_memory.phase == Phase::kPlaying || m_memory.phase == Phase::kGolden; }
+  [[nodiscard]] bool IsCounting() const {
+    return m_memory.phase == Phase::kPlaying || m_memory.phase == Phase::kGolden;
+  }
   [[nodiscard]] bool MayMove() const { return m_memory.phase != Phase::kKickOff; }
   // A point for a player, or for a side, whose player `client` has then scored it; client may be 0 there. Only while
   // IsCounting.
