@@ -85,7 +85,7 @@ void ExpectPlayed(const Played& played, unsigned count) {
 }
 
 TEST(MatchOfBots, GoalsAreScored) {
-  const Played played = PlayMatch("goals", 6, 45);
+  const Played played = PlayMatch("goals", 6, 25);
   ExpectPlayed(played, 6);
   EXPECT_GE(played.points, 1);
 }
