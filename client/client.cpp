@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <limits>
 
 #include "client/blueprint_store.h"
 #include "client/clearance.h"
@@ -249,6 +250,21 @@ void Client::Sample(double now, Detail detail, std::vector<BodySample>& samples)
 
 std::optional<protocol::Pose> Client::NewestPose(std::uint32_t body) const { return m->snapshots.Poses().Find(body); }
 
+std::optional<std::uint16_t> Client::FindVertex(std::uint32_t body, const protocol::Vector3& place) const {
+  const auto pose = NewestPose(body);
+  const auto form = m->snapshots.Poses().FindForm(body);
+  const auto blueprint = form ? m->blueprints.Find(form->blueprint, form->generation) : nullptr;
+  if (!pose || blueprint == nullptr) return std::nullopt;
+  const protocol::Vector3 local = protocol::Rotate(protocol::Conjugate(pose->rotation), place - pose->centroid);
+  std::uint16_t nearest = 0;
+  float least = std::numeric_limits<float>::infinity();
+  for (std::size_t i = 0; i < blueprint->rest.size(); ++i) {
+    const float distance = protocol::Length(blueprint->rest[i] - local);
+    if (distance < least) least = distance, nearest = static_cast<std::uint16_t>(i);
+  }
+  return nearest;
+}
+
 std::optional<Sighting> Client::FindSighting(std::uint32_t body) const {
   return m->snapshots.Poses().FindSighting(body, m->time.TickSeconds(), m->time.NewestTick());
 }
@@ -319,7 +335,8 @@ void Client::Implementation::EndIfLinkFails() {
 
 void Client::Implementation::SayHello() {
   const auto role = options.spectator ? wire::Role::Spectator : wire::Role::Player;
-  const auto hello = protocol::MakeHello(options.name, role, blueprints.KeptHashes(), options.protocolVersion);
+  const auto hello = protocol::MakeHello(options.name, role, blueprints.KeptHashes(), options.protocolVersion,
+                                         protocol::kSchemaHash, options.isBot);
   const auto sent = transport->Send(connection, transport::Channel::kControl, hello);
   if (sent != transport::SendResult::kQueued) End("connection lost", true);
 }

@@ -33,6 +33,7 @@ using KeptBlueprints = std::vector<KeptBlueprint>;
 struct Options {
   std::string name = "player";  // at most protocol::kMaxNameBytes bytes of UTF-8
   bool spectator = false;       // sees the world but has no body
+  bool isBot = false;           // no person plays: games do not wait for it, and do not count what bots win alone
   bool decode = true;           // false: reads poses only, no shapes (for load tests); Sample then shows nothing
   // Shows the own body ahead of the others by what inputs will do that no record has in it yet; see BodySample::lead.
   bool predict = true;
@@ -246,7 +247,10 @@ class Client {
   void Sample(double now, Detail detail, std::vector<BodySample>& samples);
   // A body's newest received pose, without delay, for bots; nullopt when none is known.
   [[nodiscard]] std::optional<protocol::Pose> NewestPose(std::uint32_t body) const;
-  // The same with velocity and age.
+  // The vertex of the body that was nearest to the place, world, m, in its rest shape at its newest pose; nullopt when
+  // its pose or blueprint is not known.
+  [[nodiscard]] std::optional<std::uint16_t> FindVertex(std::uint32_t body, const protocol::Vector3& place) const;
+  // The same as NewestPose, with velocity and age.
   [[nodiscard]] std::optional<Sighting> FindSighting(std::uint32_t body) const;
   // The same for all bodies, in no order. `sightings` is overwritten and its memory reused.
   void ListSightings(std::vector<Sighting>& sightings) const;

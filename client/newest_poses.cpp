@@ -17,13 +17,14 @@ NewestPoses::Entry* NewestPoses::FindOrMake(std::uint32_t body) {
   return m_entries.size() < protocol::kMaxBodies ? &m_entries[body] : nullptr;
 }
 
-void NewestPoses::Add(std::uint32_t body, std::uint32_t tick, bool rests, const protocol::QuantisedPose& pose) {
-  Entry* entry = FindOrMake(body);
+void NewestPoses::Add(const protocol::RecordHead& head, std::uint32_t tick, const protocol::QuantisedPose& pose) {
+  Entry* entry = FindOrMake(head.body);
   if (entry == nullptr || tick <= entry->tick || tick <= entry->removed) return;
   entry->before = entry->pose;
   entry->beforeTick = entry->IsThere() ? entry->tick : 0;
   entry->pose = pose;
-  entry->rests = rests;
+  entry->form = {head.blueprint, head.generation};
+  entry->rests = head.restTick != 0;
   entry->tick = tick;
 }
 
@@ -47,6 +48,12 @@ std::optional<protocol::Pose> NewestPoses::Find(std::uint32_t body) const {
   const auto known = m_entries.find(body);
   if (known == m_entries.end() || !known->second.IsThere()) return std::nullopt;
   return protocol::Dequantise(known->second.pose);
+}
+
+std::optional<NewestPoses::Form> NewestPoses::FindForm(std::uint32_t body) const {
+  const auto known = m_entries.find(body);
+  if (known == m_entries.end() || !known->second.IsThere()) return std::nullopt;
+  return known->second.form;
 }
 
 std::optional<Sighting> NewestPoses::FindSighting(std::uint32_t body, double tickSeconds,

@@ -9,6 +9,7 @@
 
 #include "client/client.h"
 #include "protocol/codec/pose.h"
+#include "protocol/snapshot.h"
 
 namespace wobble::client {
 
@@ -17,9 +18,15 @@ inline constexpr double kMaxVelocitySpan = 0.5;
 
 class NewestPoses {
  public:
+  // The blueprint of a body's newest record.
+  struct Form {
+    std::uint8_t blueprint = 0;
+    std::uint8_t generation = 0;
+  };
+
   // A record of the body's first patch. Ignored when it is not newer than the newest known or than a removal, and when
   // there are protocol::kMaxBodies others.
-  void Add(std::uint32_t body, std::uint32_t tick, bool rests, const protocol::QuantisedPose& pose);
+  void Add(const protocol::RecordHead& head, std::uint32_t tick, const protocol::QuantisedPose& pose);
   // Events of the server: from this tick on the body is gone, or somewhere else.
   void Remove(std::uint32_t body, std::uint32_t tick);
   void NoteRespawn(std::uint32_t body, std::uint32_t tick);
@@ -27,6 +34,7 @@ class NewestPoses {
   void Forget(std::uint32_t tick);
 
   [[nodiscard]] std::optional<protocol::Pose> Find(std::uint32_t body) const;
+  [[nodiscard]] std::optional<Form> FindForm(std::uint32_t body) const;
   // tickSeconds: world seconds per tick; newestTick: the newest known of any body.
   [[nodiscard]] std::optional<Sighting> FindSighting(std::uint32_t body, double tickSeconds,
                                                      std::uint32_t newestTick) const;
@@ -37,6 +45,7 @@ class NewestPoses {
   struct Entry {
     protocol::QuantisedPose pose;
     protocol::QuantisedPose before;
+    Form form;
     bool rests = false;            // at pose, until a newer record comes
     std::uint32_t tick = 0;        // of pose; 0: none yet
     std::uint32_t beforeTick = 0;  // of before; 0: none yet

@@ -16,8 +16,19 @@ Scoreboard ReadScoreboard(const wire::Scoreboard& source) {
                    .round = source.round(),
                    .secondsLeft = source.seconds_left(),
                    .pointsToWin = source.points_to_win(),
-                   .winner = source.winner()};
+                   .winner = source.winner(),
+                   .rounds = source.rounds(),
+                   .winningSide = source.winning_side(),
+                   .object = source.object(),
+                   .bearer = source.bearer()};
   for (const wire::Score* score : *source.scores()) board.scores.push_back(*score);
+  if (source.seats() != nullptr) {
+    for (const wire::Seat* seat : *source.seats()) board.seats.push_back(*seat);
+  }
+  board.seats.resize(board.scores.size());
+  if (source.sides() != nullptr) {
+    for (const wire::SideScore* side : *source.sides()) board.sides.push_back(*side);
+  }
   return board;
 }
 

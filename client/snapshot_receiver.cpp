@@ -48,7 +48,7 @@ void SnapshotReceiver::TakeRecord(const protocol::Record& record, std::uint32_t 
   if (!isGood) {
     ++m_statistics.badRecords;
   } else if (record.head.patch == 0) {
-    m_newestPoses.Add(record.head.body, tick, record.head.restTick != 0, pose);
+    m_newestPoses.Add(record.head, tick, pose);
   }
 }
 

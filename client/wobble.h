@@ -257,6 +257,8 @@ enum {
   WOBBLE_SAID = 7,       // text: a line that client_id said
   WOBBLE_EMOTED = 8,     // emote: what to show over the body for some seconds
   WOBBLE_RENAMED = 9,    // text: the name of client_id from now on
+  WOBBLE_GOAL = 10,      // body, the ball, is in a goal; client_id: who has scored it, or 0
+  WOBBLE_CROWN = 11,     // client_id wears the crown, body, from now on
 };
 
 typedef struct wobble_event {

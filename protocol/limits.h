@@ -96,6 +96,8 @@ inline constexpr std::size_t kMaxDescriptionBytes = 256;
 
 // Lines of a scoreboard: as many as a server can have clients, in 48 KiB.
 inline constexpr std::size_t kMaxScores = 4000;
+// Sides of a game that has sides.
+inline constexpr std::size_t kSides = 2;
 // Vertices in a Forces message: 5.4 KiB for all kinds, ten times a second to each client that has asked.
 inline constexpr std::size_t kMaxShownForces = 256;
 // Steps of a force in it, from 0 to the largest of its kind.

@@ -33,12 +33,12 @@ wire::Vec3 ToWire(Vector3 v) { return {v.x, v.y, v.z}; }
 }  // namespace
 
 Message MakeHello(std::string_view name, wire::Role role, std::span<const std::uint64_t> kept, std::uint16_t version,
-                  std::uint64_t schemaHash) {
+                  std::uint64_t schemaHash, bool isBot) {
   assert(name.size() <= kMaxNameBytes && kept.size() <= kMaxKeptBlueprints);
   FlatBufferBuilder builder;
   const auto text = builder.CreateString(name.data(), name.size());
   const auto hashes = builder.CreateVector(kept.data(), kept.size());
-  return FinishClientMessage(builder, wire::CreateHello(builder, version, schemaHash, text, role, hashes));
+  return FinishClientMessage(builder, wire::CreateHello(builder, version, schemaHash, text, role, hashes, isBot));
 }
 
 Message MakeInput(const InputFields& fields) {
@@ -189,12 +189,28 @@ Message MakeForces(std::uint32_t body, std::uint32_t tick, std::uint16_t stride,
   return FinishServerMessage(builder, wire::CreateForces(builder, body, tick, stride, vector));
 }
 
+namespace {
+
+// Leaves an empty vector out: the field is then absent.
+template <class Struct>
+Offset<flatbuffers::Vector<const Struct*>> CreateUnlessEmpty(FlatBufferBuilder& builder, std::span<const Struct> list) {
+  return list.empty() ? Offset<flatbuffers::Vector<const Struct*>>()
+                      : builder.CreateVectorOfStructs(list.data(), list.size());
+}
+
+}  // namespace
+
 Message MakeScoreboard(const ScoreboardFields& fields) {
   assert(fields.scores.size() <= kMaxScores);
+  assert(fields.seats.empty() || fields.seats.size() == fields.scores.size());
   FlatBufferBuilder builder;
   const auto scores = builder.CreateVectorOfStructs(fields.scores);
-  return FinishServerMessage(builder, wire::CreateScoreboard(builder, fields.phase, fields.round, fields.secondsLeft,
-                                                             fields.pointsToWin, fields.winner, scores));
+  const auto seats = CreateUnlessEmpty<wire::Seat>(builder, fields.seats);
+  const auto sides = CreateUnlessEmpty<wire::SideScore>(builder, fields.sides);
+  return FinishServerMessage(
+      builder,
+      wire::CreateScoreboard(builder, fields.phase, fields.round, fields.secondsLeft, fields.pointsToWin, fields.winner,
+                             scores, fields.rounds, seats, sides, fields.winningSide, fields.object, fields.bearer));
 }
 
 Message MakeNotice(std::string_view text) {
@@ -211,13 +227,6 @@ Message MakeNextScene(std::string_view scene) {
 }
 
 namespace {
-
-// Leaves an empty vector out: the field is then absent.
-template <class Struct>
-Offset<flatbuffers::Vector<const Struct*>> CreateUnlessEmpty(FlatBufferBuilder& builder, std::span<const Struct> list) {
-  return list.empty() ? Offset<flatbuffers::Vector<const Struct*>>()
-                      : builder.CreateVectorOfStructs(list.data(), list.size());
-}
 
 Offset<flatbuffers::Vector<Offset<wire::Basis>>> CreateBases(FlatBufferBuilder& builder,
                                                              std::span<const std::vector<std::uint8_t>> bases) {

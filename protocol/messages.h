@@ -47,7 +47,8 @@ using Message = std::vector<std::uint8_t>;
 
 // kept: at most kMaxKeptBlueprints.
 [[nodiscard]] Message MakeHello(std::string_view name, wire::Role role, std::span<const std::uint64_t> kept = {},
-                                std::uint16_t version = kProtocolVersion, std::uint64_t schemaHash = kSchemaHash);
+                                std::uint16_t version = kProtocolVersion, std::uint64_t schemaHash = kSchemaHash,
+                                bool isBot = false);
 struct InputFields {
   std::span<const wire::InputFrame> frames = {};  // newest first, 1 to kMaxInputFrames
   std::uint32_t ackedSequence = 0;
@@ -143,8 +144,14 @@ struct ScoreboardFields {
   std::uint16_t round = 0;
   std::uint16_t secondsLeft = 0;  // of the phase
   std::uint16_t pointsToWin = 0;
-  std::uint32_t winner = 0;              // of the last round; 0: nobody
-  std::vector<wire::Score> scores = {};  // at most kMaxScores
+  std::uint32_t winner = 0;                 // of the last round, or the match; 0: nobody
+  std::vector<wire::Score> scores = {};     // at most kMaxScores
+  std::uint16_t rounds = 0;                 // that make a match; 0: it never ends
+  std::vector<wire::Seat> seats = {};       // one for each score
+  std::vector<wire::SideScore> sides = {};  // two, or none
+  std::uint8_t winningSide = 0;             // 0: none
+  std::uint32_t object = 0;                 // the ball or the crown; 0: none
+  std::uint32_t bearer = 0;                 // client who wears the crown; 0: nobody
 };
 [[nodiscard]] Message MakeScoreboard(const ScoreboardFields& fields);
 // text: at most kMaxNoticeBytes.

@@ -187,7 +187,12 @@ ParseResult CheckForces(const wire::Forces& forces) {
 
 ParseResult CheckScoreboard(const wire::Scoreboard& board) {
   if (board.scores() == nullptr) return ParseResult::kMissingField;
-  const bool isGood = IsKnown(board.phase(), wire::GamePhase::MAX) && board.scores()->size() <= kMaxScores;
+  bool isGood = IsKnown(board.phase(), wire::GamePhase::MAX) && board.scores()->size() <= kMaxScores &&
+                board.winning_side() <= kSides && (board.sides() == nullptr || board.sides()->size() == kSides);
+  if (board.seats() != nullptr) {
+    isGood = isGood && board.seats()->size() == board.scores()->size();
+    for (const wire::Seat* seat : *board.seats()) isGood = isGood && seat->side() <= kSides;
+  }
   return isGood ? ParseResult::kOk : ParseResult::kOutOfRange;
 }
 

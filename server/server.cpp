@@ -98,6 +98,7 @@ void Server::Step() {
   ApplyInputs();
   ++m_shownTick;
   if (m_film != nullptr) return ShowFilm();
+  SetRounds();
   m_report = m_stage->playground.Step();
   if (m_recorder != nullptr) m_recorder->FollowTick(m_stage->playground);
   if (World().Tick() % static_cast<std::uint32_t>(m_config.tickHz) == 0) SaveState();

@@ -182,6 +182,10 @@ class Server {
   // ones, decide (vote.h), unless the world is protected. One question at a time. Returns the reason of a refusal, for
   // the player; empty: the voice counts.
   std::string VoteFor(Question question, ClientId client, double now);
+  // Whether a player waits for the match to begin. Returns the reason of a refusal, for the player; empty: none.
+  std::string SetReady(ClientId client, bool isReady);
+  // The game that is played; null: none.
+  [[nodiscard]] const Game* ReadGame() const { return m_stage->playground.ReadGame(); }
   // A line for everybody, and for one client.
   void Say(const std::string& text);
   bool Tell(ClientId client, const std::string& text);
@@ -277,6 +281,8 @@ class Server {
   void TakeOrder(Session& session, const std::string& line);
   // Tells clients what has happened in the playground since the last call.
   void TellHappenings();
+  // Config::rounds instead of what the scene says.
+  void SetRounds();
   void TellStandings();
   void SendStandings();
   void SendTuning();
@@ -331,7 +337,7 @@ class Server {
   int m_snapshotHz;
   physics::StepReport m_report;
   Pace m_pace;
-  std::optional<std::uint64_t> m_sentStandings;  // Sumo::Revision of the standings sent last; nullopt: none
+  std::optional<std::uint64_t> m_sentStandings;  // Match::Revision of the standings sent last; nullopt: none
   Counts m_counts;
   double m_lastCompany;  // when a connection was there last, or the server started, s
   double m_lastCall;     // s

@@ -92,7 +92,9 @@ void Server::Join(Session& session) {
   if (m_film != nullptr) {
     session.spectator = true;
   } else {
-    if (!isBack) m_stage->playground.Take(JoinEntry{session.clientId, session.spectator, session.name});
+    if (!isBack) {
+      m_stage->playground.Take(JoinEntry{session.clientId, session.spectator, session.name, session.isBot});
+    }
     session.body = m_stage->playground.FindPlayer(session.clientId)->body;
   }
   if (!comesAlong) ++m_counts.joins;
@@ -124,7 +126,7 @@ void Server::SendWelcome(Session& session) {
   for (const CapturedGround& ground : m_stage->grounds) fields.heightFields.push_back(ground.field);
   fields.hands = CaptureHands(m_stage->playground.Scene());
   fields.reach = static_cast<float>(m_stage->playground.Scene().hands.reach);
-  fields.game = m_film != nullptr ? kFilm : m_stage->playground.ReadGame() != nullptr ? "sumo" : "";
+  fields.game = m_film != nullptr ? kFilm : scenes::NameOf(m_stage->playground.Scene().game.kind);
   fields.workshop = m_stage->playground.ReadWorkshop() != nullptr ? m_stage->playground.ReadWorkshop()->Body() : 0;
   fields.rank = static_cast<protocol::wire::Rank>(session.admission.rank);
   fields.description = protocol::MakeLine(m_stage->playground.Scene().description, protocol::kMaxDescriptionBytes);

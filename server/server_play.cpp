@@ -74,27 +74,42 @@ std::string Server::Tune(const Session& session, const TuneCommand& command, dou
 }
 
 void Server::TellHappenings() {
+  static constexpr EventKind kKinds[] = {EventKind::Fall, EventKind::Respawn, EventKind::Goal, EventKind::Crown};
   for (const Happening& happening : m_stage->playground.TakeHappenings()) {
-    const bool isFall = happening.kind == Happening::Kind::kFall;
-    m_counts.respawns += isFall ? 0 : 1;
-    Broadcast(protocol::MakeEvent(isFall ? EventKind::Fall : EventKind::Respawn, m_shownTick, happening.by,
+    m_counts.respawns += happening.kind == Happening::Kind::kRespawn ? 1 : 0;
+    Broadcast(protocol::MakeEvent(kKinds[static_cast<std::size_t>(happening.kind)], m_shownTick, happening.by,
                                   happening.body, ""));
   }
 }
 
 void Server::TellStandings() {
-  const Sumo* game = m_stage->playground.ReadGame();
+  const Game* game = m_stage->playground.ReadGame();
   if (game == nullptr) return;
   const bool isSecond = m_shownTick % static_cast<std::uint32_t>(m_config.tickHz) == 0;
-  if (isSecond || game->Revision() != m_sentStandings) SendStandings();
+  if (isSecond || game->ReadMatch().Revision() != m_sentStandings) SendStandings();
 }
 
 bool Server::HasPlayedAllRounds() const {
-  const Sumo* game = m_stage->playground.ReadGame();
-  return game != nullptr && m_config.rounds > 0 && game->Round() > m_config.rounds;
+  const Game* game = m_stage->playground.ReadGame();
+  return game != nullptr && m_config.rounds > 0 && game->ReadMatch().Read().matches > 0;
 }
 
 bool Server::IsMatchOver() const { return m_config.afterMatch == AfterMatch::kEnd && HasPlayedAllRounds(); }
+
+void Server::SetRounds() {
+  const Game* game = m_stage->playground.ReadGame();
+  const bool isDue = game != nullptr && m_config.rounds > 0 && game->ReadMatch().Read().rounds != m_config.rounds;
+  if (isDue) m_stage->playground.Take(MatchEntry{m_config.rounds});
+}
+
+std::string Server::SetReady(ClientId client, bool isReady) {
+  const Game* game = m_stage->playground.ReadGame();
+  if (game == nullptr || m_film != nullptr) return "there is no game to be ready for";
+  if (game->ReadMatch().Find(client) == nullptr) return "players say that they are ready; you watch";
+  if (game->ReadMatch().ReadPhase() != Match::Phase::kLobby) return "the match has begun already";
+  m_stage->playground.Take(ReadyEntry{client, isReady});
+  return "";
+}
 
 void Server::FollowMatch() {
   if (m_config.afterMatch == AfterMatch::kEnd || !HasPlayedAllRounds() || m_nextStage.valid()) return;
@@ -107,18 +122,30 @@ void Server::FollowMatch() {
 }
 
 void Server::SendStandings() {
-  const Sumo& game = *m_stage->playground.ReadGame();
-  m_sentStandings = game.Revision();
+  using protocol::wire::GamePhase;
+  static constexpr GamePhase kPhases[] = {GamePhase::Lobby,  GamePhase::KickOff, GamePhase::Playing,
+                                          GamePhase::Golden, GamePhase::Won,     GamePhase::Over};
+  const auto narrow = [](int count) { return static_cast<std::uint16_t>(std::clamp(count, 0, 65535)); };
+  const Game& game = *m_stage->playground.ReadGame();
+  const Match& match = game.ReadMatch();
+  m_sentStandings = match.Revision();
   protocol::ScoreboardFields board;
-  const bool isWon = game.ReadPhase() == Sumo::Phase::kWon;
-  board.phase = isWon ? protocol::wire::GamePhase::Won : protocol::wire::GamePhase::Playing;
-  board.round = static_cast<std::uint16_t>(game.Round());
-  board.secondsLeft = static_cast<std::uint16_t>(std::max(0.0, game.SecondsLeft()));
-  board.pointsToWin = static_cast<std::uint16_t>(m_stage->playground.Scene().game.pointsToWin);
-  board.winner = game.Winner();
-  for (const Sumo::Standing& each : game.Standings()) {
-    board.scores.emplace_back(each.client, static_cast<std::uint16_t>(each.points),
-                              static_cast<std::uint16_t>(each.rounds));
+  board.phase = kPhases[static_cast<std::size_t>(match.ReadPhase())];
+  board.round = narrow(match.Round());
+  board.secondsLeft = static_cast<std::uint16_t>(std::max(0.0, match.SecondsLeft()));
+  board.pointsToWin = narrow(m_stage->playground.Scene().game.pointsToWin);
+  board.winner = match.Winner();
+  board.rounds = narrow(match.Read().rounds);
+  board.winningSide = static_cast<std::uint8_t>(match.WinningSide());
+  board.object = game.Object();
+  board.bearer = game.Bearer();
+  for (const Match::Standing& each : match.Standings()) {
+    board.scores.emplace_back(each.client, narrow(each.points), narrow(each.rounds));
+    board.seats.emplace_back(static_cast<std::uint8_t>(each.side), each.isReady, each.isBot);
+  }
+  if (m_stage->playground.Scene().game.HasSides()) {
+    for (const Match::Side& side : match.Read().sides)
+      board.sides.emplace_back(narrow(side.points), narrow(side.rounds));
   }
   Broadcast(protocol::MakeScoreboard(board));
 }

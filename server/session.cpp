@@ -53,6 +53,7 @@ MessageEffect TakeHello(Session& session, const protocol::wire::Hello& hello, do
   if (hello.kept() != nullptr) session.kept.assign(hello.kept()->begin(), hello.kept()->end());
   session.spectator =
       hello.role() == protocol::wire::Role::Spectator || session.admission.rank == transport::Rank::kWatcher;
+  session.isBot = hello.bot();
   MessageEffect effect;
   effect.kind = MessageEffect::Kind::kJoin;
   return effect;

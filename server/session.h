@@ -96,6 +96,7 @@ struct Session {
   bool isMuted = false;   // may move, and nothing else
   double mutedUntil = 0;  // s; infinite: until a moderator says otherwise
   bool spectator = false;
+  bool isBot = false;
   physics::BodyId body = 0;  // 0: none
   InputBuffer inputs;
   std::optional<HandCommand> hand;  // as of the newest input

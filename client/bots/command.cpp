@@ -36,7 +36,8 @@ CLI::App* AddWords(CLI::App& app, LoadTestOptions& options, Words& words) {
   subcommand->add_option("server", words.address, "The server")->type_name("HOST:PORT REQUIRED");
   subcommand
       ->add_option("--script", options.scriptFile,
-                   "Lua file, or the name of a shipped one: idle.lua, wander.lua, chase.lua, mash.lua, storm.lua")
+                   "Lua file, or the name of a shipped one: idle.lua, wander.lua, chase.lua, goals.lua, crown.lua, "
+                   "mash.lua, storm.lua")
       ->type_name("FILE REQUIRED");
   subcommand->add_option("--count", options.count, "Number of bots")
       ->check(command::Within(1, kMaxBots))

@@ -44,12 +44,16 @@ void Player::FailToRejoin(const std::string& reason, double now) {
 void Player::Connect(std::unique_ptr<transport::Transport> transport, double now) {
   assert(m_client == nullptr);
   m_names.clear();
+  m_bodies.clear();
   m_events.clear();
   m_transport = transport.get();
   m_client = std::make_unique<client::Client>(std::move(transport), m_options, now);
   m_client->OnSnapshot(m_onSnapshot);
   m_client->OnEvent([this](const client::Client::Event& event) { HearEvent(event); });
-  m_client->OnNextScene([this](const std::string&) { m_names.clear(); });
+  m_client->OnNextScene([this](const std::string&) {
+    m_names.clear();
+    m_bodies.clear();
+  });
 }
 
 void Player::Lose(std::string reason) {
@@ -141,10 +145,12 @@ Player::Totals Player::ReadTotals() const {
 void Player::HearEvent(const client::Client::Event& event) {
   if (event.kind == wire::EventKind::Join && event.body != 0 && m_names.size() < protocol::kMaxBodies) {
     m_names[event.body] = event.name;
+    m_bodies[event.clientId] = event.body;
   } else if (event.kind == wire::EventKind::Rename && m_names.contains(event.body)) {
     m_names[event.body] = event.name;
   } else if (event.kind == wire::EventKind::Leave || event.kind == wire::EventKind::BodyRemoved) {
     m_names.erase(event.body);
+    if (event.kind == wire::EventKind::Leave) m_bodies.erase(event.clientId);
   }
   m_events.push_back(event);
   if (m_events.size() > kMaxEvents) m_events.pop_front();

@@ -62,6 +62,8 @@ class Player {
 
   // Names of the players present, by body. Like Events(), covers the present connection only, and its present scene.
   [[nodiscard]] const std::unordered_map<std::uint32_t, std::string>& Names() const { return m_names; }
+  // Bodies of the players present, by client.
+  [[nodiscard]] const std::unordered_map<std::uint32_t, std::uint32_t>& Bodies() const { return m_bodies; }
   // Oldest first; the reader empties it.
   [[nodiscard]] std::deque<client::Client::Event>& Events() { return m_events; }
 
@@ -97,6 +99,7 @@ class Player {
   client::RejoinPlan m_plan;  // of the present stay
   double m_cutAt = 0;
   std::unordered_map<std::uint32_t, std::string> m_names;
+  std::unordered_map<std::uint32_t, std::uint32_t> m_bodies;
   std::deque<client::Client::Event> m_events;
 
   Totals m_totals;          // of the stays that have ended

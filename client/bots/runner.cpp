@@ -55,6 +55,7 @@ void Runner::StartBot(double now) {
   const auto index = static_cast<unsigned>(m_bots.size());
   client::Options options;
   options.name = "bot " + std::to_string(index + 1);
+  options.isBot = true;
   options.decode = m_options.decodeShare.Includes(index);
   options.protocolVersion = m_options.protocolVersion;
   options.kept = m_kept;
@@ -154,6 +155,14 @@ void Runner::RunScript(Bot& bot, double now) {
     view.body = player.Client()->Welcome().ownBody;
     view.self = player.Client()->FindSighting(view.body);
     view.listBodies = [&player](std::vector<client::Sighting>& bodies) { player.Client()->ListSightings(bodies); };
+    view.client = player.Client()->Welcome().clientId;
+    view.game = player.Client()->Welcome().game;
+    view.scoreboard = &player.Client()->ReadScoreboard();
+    view.bodies = &player.Bodies();
+    view.findBody = [&player](std::uint32_t body) { return player.Client()->FindSighting(body); };
+    view.findVertex = [&player](std::uint32_t body, const protocol::Vector3& place) {
+      return player.Client()->FindVertex(body, place);
+    };
   }
   Script::Wish wish;
   std::string error;
@@ -167,7 +176,17 @@ void Runner::RunScript(Bot& bot, double now) {
   }
   if (!wish.play) return player.Leave(now);
   if (state == Player::State::kAway) return BeginStay(bot, now);
-  if (player.Client() != nullptr) player.Client()->SetInput(wish.input);
+  if (player.Client() != nullptr) Obey(wish, *player.Client());
+}
+
+void Runner::Obey(const Script::Wish& wish, client::Client& client) {
+  client.SetInput(wish.input);
+  client.SetHand(wish.hand);
+  for (const Script::Deed& deed : wish.deeds) {
+    if (const auto* push = std::get_if<Script::Push>(&deed)) client.Push(push->body, push->vertex, push->direction);
+    if (const auto* cut = std::get_if<Script::Cut>(&deed)) client.Cut(cut->body, cut->eye, cut->from, cut->to);
+    if (const auto* build = std::get_if<protocol::BuildFields>(&deed)) client.Build(*build);
+  }
 }
 
 void Runner::NoteFailure(const Bot& bot, double now) {

@@ -100,6 +100,7 @@ class Runner {
   void RunBot(Bot& bot, double now);
   void UpdateBot(Bot& bot, double now);
   void RunScript(Bot& bot, double now);
+  static void Obey(const Script::Wish& wish, client::Client& client);
   void NoteFailure(const Bot& bot, double now);
   void NoteChange(Bot& bot, Player::State before, double now);
   void LogLoss(const Bot& bot, const char* what);

@@ -155,6 +155,7 @@ Script::Result Script::Resume(unsigned number, const View& view, Wish& wish, std
   bot.view = view;
   if (bot.IsDue()) Continue(bot, error);
   wish = bot.wish;
+  bot.wish.deeds.clear();
   wish.input.jump = bot.jumpRounds > 0;
   return bot.result;
 }
@@ -174,6 +175,8 @@ void Script::Continue(Bot& bot, std::string& error) {
   if (status != LUA_OK) {
     error = ReadMessageWithPlace(bot.thread);
     bot.wish.input = {};
+    bot.wish.hand.reset();
+    bot.wish.deeds.clear();
     bot.jumpRounds = 0;
   }
   luaL_unref(m_sandbox.State(), LUA_REGISTRYINDEX, bot.reference);

@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <variant>
 #include <vector>
 
 #include "client/bots/lua_sandbox.h"
@@ -52,11 +53,33 @@ class Script {
     std::function<void(std::vector<client::Sighting>&)> listBodies;  // called only when the script asks for neighbours
     const std::unordered_map<std::uint32_t, std::string>* names = nullptr;  // of the players, by body
     std::deque<client::Client::Event>* events = nullptr;                    // emptied when the script asks for events
+    std::uint32_t client = 0;
+    std::string_view game;                                                     // its name; empty: the scene has none
+    const client::Scoreboard* scoreboard = nullptr;                            // of the game
+    const std::unordered_map<std::uint32_t, std::uint32_t>* bodies = nullptr;  // of the players, by client
+    std::function<std::optional<client::Sighting>(std::uint32_t body)> findBody;
+    // The vertex of the body that is nearest to the place, world, m.
+    std::function<std::optional<std::uint16_t>(std::uint32_t body, const protocol::Vector3& place)> findVertex;
   };
+  // What a hand holds, and what it does once.
+  struct Push {
+    std::uint32_t body = 0;
+    std::uint16_t vertex = 0;
+    protocol::Vector3 direction;
+  };
+  struct Cut {
+    std::uint32_t body = 0;
+    protocol::Vector3 eye, from, to;
+  };
+  using Deed = std::variant<Push, Cut, protocol::BuildFields>;
+  // Deeds between two waits: more than a hand can do.
+  static constexpr std::size_t kMostDeeds = 8;
   // The input and the presence that a bot asks for until the next round.
   struct Wish {
     client::Input input;
     bool play = true;  // false: leave, or stay away
+    std::optional<client::Hand> hand = {};
+    std::vector<Deed> deeds = {};  // each is there in one round alone
   };
   // Runs one round of one bot; while the bot waits, only repeats the wish. The round in which an error occurs sets
   // `error` to one line; later rounds do not.
@@ -111,6 +134,15 @@ class Script {
   static int AnswerNear(lua_State* lua);
   static int AnswerEvents(lua_State* lua);
   static int AnswerId(lua_State* lua);
+  // And in script_hands.cpp: what it does to other bodies, and the game.
+  static int AnswerGrab(lua_State* lua);
+  static int AnswerRelease(lua_State* lua);
+  static int AnswerPush(lua_State* lua);
+  static int AnswerCut(lua_State* lua);
+  static int AnswerBuild(lua_State* lua);
+  static int AnswerGame(lua_State* lua);
+  static void PushPlayers(lua_State* lua, const View& view);
+  static void AddDeed(lua_State* lua, Bot& bot, const Deed& deed);
 
   LuaSandbox m_sandbox;
   LuaSandbox::Caller m_loader;

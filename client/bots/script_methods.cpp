@@ -78,6 +78,10 @@ const char* Name(wire::EventKind kind) {
       return "emote";
     case wire::EventKind::Rename:
       return "rename";
+    case wire::EventKind::Goal:
+      return "goal";
+    case wire::EventKind::Crown:
+      return "crown";
   }
   return "unknown";
 }
@@ -100,6 +104,12 @@ void Script::MakeBotType(lua_State* lua) {
       {"near", &AnswerNear},
       {"events", &AnswerEvents},
       {"id", &AnswerId},
+      {"grab", &AnswerGrab},
+      {"release", &AnswerRelease},
+      {"push", &AnswerPush},
+      {"cut", &AnswerCut},
+      {"build", &AnswerBuild},
+      {"game", &AnswerGame},
       {"random", &LuaSandbox::AnswerRandom},
       {nullptr, nullptr},
   };
@@ -267,7 +277,10 @@ int Script::AnswerEvents(lua_State* lua) {
       lua_pushlstring(lua, event.name.data(), event.name.size());
       lua_setfield(lua, -2, "name");
     }
-    lua_pushboolean(lua, event.body != 0 && event.body == bot.view.body);
+    // A goal and the crown are about who has them, not about the ball or the crown.
+    const bool isOfClient = event.kind == wire::EventKind::Goal || event.kind == wire::EventKind::Crown;
+    lua_pushboolean(lua, isOfClient ? event.clientId != 0 && event.clientId == bot.view.client
+                                    : event.body != 0 && event.body == bot.view.body);
     lua_setfield(lua, -2, "own");
     lua_rawseti(lua, -2, i);
     bot.view.events->pop_front();

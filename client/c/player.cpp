@@ -15,13 +15,13 @@ using protocol::wire::EventKind;
 static_assert(WOBBLE_JOIN == static_cast<int>(EventKind::Join) && WOBBLE_LEAVE == static_cast<int>(EventKind::Leave) &&
               WOBBLE_RESPAWN == static_cast<int>(EventKind::Respawn) &&
               WOBBLE_BODY_REMOVED == static_cast<int>(EventKind::BodyRemoved) &&
-              WOBBLE_FALL == static_cast<int>(EventKind::Fall));
+              WOBBLE_FALL == static_cast<int>(EventKind::Fall) && EventKind::MAX == EventKind::Crown);
 static_assert(WOBBLE_CHEER == static_cast<int>(protocol::wire::EmoteKind::MAX));
 
 namespace {
 
-// Behind Fall the interface has kinds of its own.
-std::int32_t ToKind(EventKind kind) {
+// Kinds that came later than WOBBLE_NOTICE have numbers of their own here.
+std::int32_t FindKind(EventKind kind) {
   switch (kind) {
     case EventKind::Said:
       return WOBBLE_SAID;
@@ -29,6 +29,10 @@ std::int32_t ToKind(EventKind kind) {
       return WOBBLE_EMOTED;
     case EventKind::Rename:
       return WOBBLE_RENAMED;
+    case EventKind::Goal:
+      return WOBBLE_GOAL;
+    case EventKind::Crown:
+      return WOBBLE_CROWN;
     default:
       return static_cast<std::int32_t>(kind);
   }
@@ -64,7 +68,7 @@ void Player::Prepare(client::Client& client) {
   m_hasConnected = true;
   client.SetInput(m_input);
   client.OnEvent([this](const client::Client::Event& event) {
-    Add({ToKind(event.kind), event.clientId, event.body, event.name, static_cast<std::int32_t>(event.emote)});
+    Add({FindKind(event.kind), event.clientId, event.body, event.name, static_cast<std::int32_t>(event.emote)});
   });
   client.OnNotice([this](const std::string& text) { Add({.kind = WOBBLE_NOTICE, .text = text}); });
   client.OnNextScene([this](const std::string& scene) { Add({.kind = WOBBLE_NEW_WORLD, .text = scene}); });

@@ -13,8 +13,13 @@ namespace {
 
 // Places for people, in addition to those of the bots.
 constexpr unsigned kGuests = 64;
-// Bots that play against people in a scene with a game.
-constexpr unsigned kOpponents = 2;
+// Bots that play against people in a scene with a game, and their script.
+struct Opponents {
+  const char* scene;
+  unsigned count;
+  const char* script;
+};
+constexpr Opponents kOpponents[] = {{"sumo", 2, "chase.lua"}, {"goals", 5, "goals.lua"}, {"crown", 3, "crown.lua"}};
 
 // A scene file's name without folder and extension, with only characters that an address may hold.
 std::string FindName(const std::string& scene) {
@@ -33,8 +38,12 @@ host::WorldPlan MakeWorld(const PlayOptions& options, std::size_t number, const 
   world.name = FindName(scene);
   world.title = number == 0 ? "server" : "server of " + world.name;
   world.port = static_cast<std::uint16_t>(options.port == 0 ? 0 : options.port + number);
-  world.bots.count = number == 0 ? options.bots : scene == "sumo" ? kOpponents : 0;
-  if (number > 0) world.bots.script = "chase.lua";
+  world.bots.count = number == 0 ? options.bots : 0;
+  for (const Opponents& each : kOpponents) {
+    if (scene != each.scene) continue;
+    if (number > 0) world.bots.count = each.count;
+    if (number > 0 || scene != "sumo") world.bots.script = each.script;
+  }
   world.options = {"--scene",     scene,  "--max-clients", std::to_string(kGuests + options.bots),
                    "--log-level", "warn", "--state",       (folder / world.name).string()};
   const char* cache = std::getenv("WOBBLE_CACHE");  // which the children have, too

@@ -34,6 +34,7 @@ inline Light Filter(Light light, Light by) { return {light.x * by.x, light.y * b
 // Colours of the player's own body, of the scene's bodies and of other players. A body number always gives the same
 // colour; neighbouring numbers give colours far apart, and none resembles the player's own.
 inline constexpr Light kOwnColour{1.0F, 0.36F, 0.04F};
+inline constexpr Light kSideColours[] = {{0.05F, 0.22F, 0.9F}, {0.87F, 0.08F, 0.13F}};  // of sides 1 and 2 of a game
 inline constexpr Light kSceneColour{0.62F, 0.60F, 0.55F};
 [[nodiscard]] Light FindPlayerColour(std::uint32_t body);
 

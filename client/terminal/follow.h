@@ -8,6 +8,7 @@
 namespace wobble::terminal {
 
 inline constexpr char32_t kFollowKey = U'b';
+inline constexpr char32_t kReadyKey = U'y';  // says that the player is ready, in a game
 
 class Followed {
  public:

@@ -71,16 +71,54 @@ void WriteTop(CellGrid& grid, const std::string& text) {
   grid.Write(1, 0, text, kInk, kPaper);
 }
 
-std::string FormatScores(const client::Scoreboard& board, const std::function<std::string(std::uint32_t)>& nameOf) {
-  std::string text = "round " + std::to_string(board.round) + "  ";
-  if (board.phase == wire::GamePhase::Won) {
-    text += (board.winner == 0 ? "a draw" : nameOf(board.winner) + " has won") + "; the next begins in " +
-            std::to_string(board.secondsLeft) + " s";
-  } else {
-    text += std::to_string(board.secondsLeft) + " s  first to " + std::to_string(board.pointsToWin);
+namespace {
+
+const char* NameOfSide(int side) { return side == 1 ? "Blue" : "Red"; }
+
+std::string DescribeWinner(const client::Scoreboard& board, const std::function<std::string(std::uint32_t)>& nameOf) {
+  if (board.winningSide != 0) return std::string(NameOfSide(board.winningSide)) + " has won";
+  return board.winner == 0 ? "a draw" : nameOf(board.winner) + " has won";
+}
+
+std::string DescribePhase(const client::Scoreboard& board, const std::function<std::string(std::uint32_t)>& nameOf) {
+  const std::string left = std::to_string(board.secondsLeft) + " s";
+  const std::string toWin = "  first to " + std::to_string(board.pointsToWin);
+  switch (board.phase) {
+    case wire::GamePhase::Playing:
+      return left + toWin;
+    case wire::GamePhase::Won:
+      return DescribeWinner(board, nameOf) + "; the next begins in " + left;
+    case wire::GamePhase::Lobby:
+      return board.scores.size() < 2 ? "waiting for others to play with" : "Y: ready; the match begins within " + left;
+    case wire::GamePhase::KickOff:
+      return "kick-off in " + left + toWin;
+    case wire::GamePhase::Golden:
+      return left + "  the next point wins";
+    case wire::GamePhase::Over:
+      return "the match is over: " + DescribeWinner(board, nameOf);
   }
-  for (const wire::Score& score : board.scores) {
-    text += "   " + nameOf(score.client_id()) + " " + std::to_string(score.points());
+  return "";
+}
+
+}  // namespace
+
+std::string FormatScores(const client::Scoreboard& board, const std::function<std::string(std::uint32_t)>& nameOf) {
+  std::string text = "round " + std::to_string(board.round);
+  if (board.rounds > 0) text += " of " + std::to_string(board.rounds);
+  text += "  " + DescribePhase(board, nameOf);
+  if (board.sides.size() == 2) {
+    text +=
+        "   Blue " + std::to_string(board.sides[0].points()) + " : " + std::to_string(board.sides[1].points()) + " Red";
+  }
+  for (std::size_t i = 0; i < board.scores.size(); ++i) {
+    const wire::Score& score = board.scores[i];
+    const int side = i < board.seats.size() ? board.seats[i].side() : 0;
+    const bool isReady = i < board.seats.size() && board.seats[i].ready();
+    text += "   " + nameOf(score.client_id());
+    if (side != 0) text += side == 1 ? " (B)" : " (R)";
+    text += board.phase == wire::GamePhase::Lobby ? (isReady ? " ready" : " not ready")
+                                                  : " " + std::to_string(score.points());
+    if (board.bearer != 0 && score.client_id() == board.bearer) text += " with the crown";
   }
   return text;
 }

@@ -93,6 +93,7 @@ class Watch {
   void DrawWorld(double now);
   void WriteFigures(double now);
   [[nodiscard]] std::vector<std::string> DescribeOtherKeys(bool isFilm);
+  [[nodiscard]] int FindSide(std::uint32_t body);
   void DrawBodies(int width, int height);
   void FillCells(int width, int height);
   void Send(double begin);
@@ -111,9 +112,10 @@ class Watch {
   transport::EnetTransport* m_transport = nullptr;
   std::unique_ptr<client::LastingClient> m_player;
   std::vector<client::BodySample> m_samples;
-  std::map<std::uint32_t, std::string> m_players;  // names by body
-  std::map<std::uint32_t, std::string> m_clients;  // names by client
-  bool m_hasOldNames = false;                      // of the connection or scene before, which is still shown
+  std::map<std::uint32_t, std::string> m_players;   // names by body
+  std::map<std::uint32_t, std::string> m_clients;   // names by client
+  std::map<std::uint32_t, std::uint32_t> m_owners;  // clients by body
+  bool m_hasOldNames = false;                       // of the connection or scene before, which is still shown
   Hands m_hands;
   FilmKeys m_film;
   Followed m_followed;
@@ -270,6 +272,7 @@ void Watch::ReadKeys(double now) {
   for (const char32_t key : m_controls.TakeOthers()) {
     if (hasBody) m_hands.Take(key, m_camera, m_samples, Client());
     if (IsPlaying() && FilmKeys::IsFilm(Client())) m_film.Take(key, Client());
+    if (IsPlaying() && hasBody && key == kReadyKey && !Client().Welcome().game.empty()) Client().Order("ready");
     if (IsPlaying() && !hasBody && key == kFollowKey) FollowNext();
   }
 }
@@ -305,15 +308,18 @@ void Watch::FollowNext() {
 void Watch::NoteEvent(const client::Client::Event& event) {
   if (m_hasOldNames) {
     m_players.clear();
+    m_owners.clear();
     m_clients.clear();
     m_hasOldNames = false;
   }
   if (event.kind == wire::EventKind::Join) {
     const std::string name = MakePlain(event.name);
     if (event.body != 0) m_players[event.body] = name;
+    if (event.body != 0) m_owners[event.body] = event.clientId;
     m_clients[event.clientId] = name;
   } else if (event.kind == wire::EventKind::Leave) {
     m_players.erase(event.body);
+    m_owners.erase(event.body);
     m_clients.erase(event.clientId);
   } else if (event.kind == wire::EventKind::Fall) {
     const auto fallen = m_players.find(event.body);
@@ -328,6 +334,10 @@ void Watch::NoteEvent(const client::Client::Event& event) {
     Show(NameOf(event.clientId) + " is " + name + " now");
     if (event.body != 0) m_players[event.body] = name;
     m_clients[event.clientId] = name;
+  } else if (event.kind == wire::EventKind::Goal) {
+    Show(event.clientId == 0 ? "own goal" : "goal by " + NameOf(event.clientId));
+  } else if (event.kind == wire::EventKind::Crown) {
+    Show(NameOf(event.clientId) + " has the crown");
   }
 }
 
@@ -419,13 +429,26 @@ std::vector<std::string> Watch::DescribeOtherKeys(bool isFilm) {
   return lines;
 }
 
+// The side of a player's body in a game; 0: none.
+int Watch::FindSide(std::uint32_t body) {
+  const client::Scoreboard& board = Client().ReadScoreboard();
+  const auto owner = m_owners.find(body);
+  if (owner == m_owners.end()) return 0;
+  for (std::size_t i = 0; i < board.scores.size() && i < board.seats.size(); ++i) {
+    if (board.scores[i].client_id() == owner->second) return std::min<int>(board.seats[i].side(), 2);
+  }
+  return 0;
+}
+
 void Watch::DrawBodies(int width, int height) {
   m_bodies.clear();
   for (const client::BodySample& sample : m_samples) {
     if (sample.vertices.size() != sample.blueprint->rest.size()) continue;
-    const Light colour = sample.body == Client().Welcome().ownBody ? kOwnColour
-                         : m_players.contains(sample.body)         ? FindPlayerColour(sample.body)
-                                                                   : kSceneColour;
+    const int side = FindSide(sample.body);
+    const Light colour = side != 0                                   ? kSideColours[side - 1]
+                         : sample.body == Client().Welcome().ownBody ? kOwnColour
+                         : m_players.contains(sample.body)           ? FindPlayerColour(sample.body)
+                                                                     : kSceneColour;
     const client::Blueprint& blueprint = *sample.blueprint;
     m_bodies.push_back({.vertices = sample.vertices,
                         .rest = blueprint.rest,

@@ -134,9 +134,17 @@ struct ScoreboardView {
   std::uint32_t winner = 0;
   std::uint32_t scoreCount = 0;
   Address scores = 0;  // wire::Score, 8 bytes each
+  Address seats = 0;   // wire::Seat, 3 bytes each, as many
+  std::uint32_t rounds = 0;
+  std::uint32_t winningSide = 0;
+  std::uint32_t object = 0;
+  std::uint32_t bearer = 0;
+  std::uint32_t sideCount = 0;
+  Address sides = 0;  // wire::SideScore, 4 bytes each
 };
-static_assert(sizeof(ScoreboardView) == 7 * 4);
-static_assert(sizeof(protocol::wire::Score) == 8);
+static_assert(sizeof(ScoreboardView) == 14 * 4);
+static_assert(sizeof(protocol::wire::Score) == 8 && sizeof(protocol::wire::Seat) == 3);
+static_assert(sizeof(protocol::wire::SideScore) == 4);
 
 struct ForceFieldView {
   std::uint32_t kind = 0;

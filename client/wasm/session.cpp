@@ -182,7 +182,14 @@ const ScoreboardView& Session::MakeScoreboard() {
                       .pointsToWin = board.pointsToWin,
                       .winner = board.winner,
                       .scoreCount = static_cast<std::uint32_t>(board.scores.size()),
-                      .scores = AddressOf(board.scores.data())};
+                      .scores = AddressOf(board.scores.data()),
+                      .seats = AddressOf(board.seats.data()),
+                      .rounds = board.rounds,
+                      .winningSide = board.winningSide,
+                      .object = board.object,
+                      .bearer = board.bearer,
+                      .sideCount = static_cast<std::uint32_t>(board.sides.size()),
+                      .sides = AddressOf(board.sides.data())};
   return m_scoreboardView;
 }
 

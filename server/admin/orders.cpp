@@ -168,6 +168,19 @@ Answer Vote(Order& order) {
   return refusal.empty() ? Answer{.isDone = true, .lines = {}} : Refuse(refusal);
 }
 
+// A player says whether the match may begin.
+Answer SetReady(Order& order) {
+  const std::string word = order.TakeWord();
+  if (!word.empty() && word != "no") return Refuse("ready: may be followed by no");
+  if (order.issuer.client == 0) return Refuse("players say that they are ready");
+  const std::string refusal = order.realm.server.SetReady(order.issuer.client, word.empty());
+  if (!refusal.empty()) return Refuse(refusal);
+  const auto standings = order.realm.server.ReadGame()->ReadMatch().Standings();
+  const auto ready = std::ranges::count_if(standings, [](const auto& each) { return each.isReady; });
+  return Done(fmt::format("{}: {} of {} are ready", word.empty() ? "you are ready" : "you are not ready", ready,
+                          standings.size()));
+}
+
 std::string FormatTime(double seconds) {
   return fmt::format("{}:{:04.1f}", static_cast<int>(seconds) / 60, std::fmod(seconds, 60));
 }
@@ -270,6 +283,8 @@ constexpr std::array kEntries{
           "lets the world begin anew, or the next scene begin, when more than half of the players vote for it within a "
           "minute",
           Rank::kPlayer, Vote, true},
+    Entry{"ready", "[no]", 1, "says that the player is ready, and the match may begin; or is not", Rank::kPlayer,
+          SetReady, true},
     Entry{"film", "[play|pause|speed X|step TICKS|to SECONDS|by SECONDS]", 2,
           "winds the recording that is shown; X from -4 to 16", Rank::kWatcher, WindFilm},
     Entry{"say", "TEXT", kAnyWords, "shows a line to everybody", Rank::kModerator, Say},

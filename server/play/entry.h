@@ -15,6 +15,7 @@ struct JoinEntry {
   ClientId client = 0;
   bool isSpectator = false;  // has no body
   std::string name;
+  bool isBot = false;
 };
 
 struct LeaveEntry {
@@ -56,7 +57,18 @@ struct MotionEntry {
   std::vector<physics::Vector3d> velocities;  // m/s
 };
 
-using Entry =
-    std::variant<JoinEntry, LeaveEntry, MoveEntry, ActEntry, ProtectEntry, ResetEntry, RestartEntry, MotionEntry>;
+// Whether a player waits for the match to begin.
+struct ReadyEntry {
+  ClientId client = 0;
+  bool isReady = true;
+};
+
+// How many rounds make a match, instead of what the scene says.
+struct MatchEntry {
+  int rounds = 0;  // 0: it never ends
+};
+
+using Entry = std::variant<JoinEntry, LeaveEntry, MoveEntry, ActEntry, ProtectEntry, ResetEntry, RestartEntry,
+                           MotionEntry, ReadyEntry, MatchEntry>;
 
 }  // namespace wobble::server

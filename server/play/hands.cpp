@@ -123,6 +123,11 @@ void Hands::Forget(ClientId client) {
   m_memory.shoves.erase(client);
 }
 
+void Hands::Open(ClientId client) {
+  const auto found = m_memory.grips.find(client);
+  if (found != m_memory.grips.end()) found->second.vertices.clear();
+}
+
 void Hands::LetGo(physics::BodyId body) {
   for (auto& [client, grip] : m_memory.grips) {
     if (grip.command.body == body) grip.vertices.clear();
@@ -168,8 +173,9 @@ void Hands::Act(physics::World& world) {
 
 void Hands::Drag(Grip& grip, physics::World& world) {
   const physics::Body* body = world.FindBody(grip.command.body);
-  const bool holds =
-      body != nullptr && IsWithin(kSlip * m_rules.reach, grip.own, FindVertex(*body, grip.command.vertex), world);
+  // A client may name another body or vertex without closing its hand anew.
+  const bool holds = body != nullptr && grip.command.vertex < world.BlueprintOf(*body).rest.size() &&
+                     IsWithin(kSlip * m_rules.reach, grip.own, FindVertex(*body, grip.command.vertex), world);
   if (!holds) {
     grip.vertices.clear();
     return;

@@ -58,6 +58,8 @@ class Hands {
 
   // Drops the hands of a client that has left.
   void Forget(ClientId client);
+  // Opens a client's hand, until it closes anew.
+  void Open(ClientId client);
   // Ends all grips and shoves on a body whose vertices have been renumbered.
   void LetGo(physics::BodyId body);
 

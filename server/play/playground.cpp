@@ -40,15 +40,21 @@ Playground::Playground(scenes::Scene scene, const PlaygroundSettings& settings)
       m_sceneBodies(scenes::FillWorld(m_scene, settings.seed, m_world)),
       m_hands(m_scene.hands, settings.tickDuration),
       m_tuning(m_scene.tuning, m_scene.gravity) {
-  OpenWorkshopAndGame();
+  OpenWorkshop();
+  OpenGame();
 }
 
-void Playground::OpenWorkshopAndGame() {
-  if (m_scene.workshop.isOpen) {
-    const auto isWorkshop = [&](const physics::Body& body) { return body.blueprint == m_scene.workshop.blueprint; };
-    m_workshop.emplace(m_scene.workshop, std::ranges::find_if(m_world.Bodies(), isWorkshop)->id, m_world);
-  }
-  if (m_scene.game.kind == scenes::GameRules::Kind::kSumo) m_game.emplace(m_scene.game);
+void Playground::OpenWorkshop() {
+  if (!m_scene.workshop.isOpen) return;
+  const auto isWorkshop = [&](const physics::Body& body) { return body.blueprint == m_scene.workshop.blueprint; };
+  m_workshop.emplace(m_scene.workshop, std::ranges::find_if(m_world.Bodies(), isWorkshop)->id, m_world);
+}
+
+void Playground::OpenGame() {
+  if (m_scene.game.kind == scenes::GameRules::Kind::kNone) return;
+  const auto isObject = [&](const physics::Body& body) { return body.blueprint == m_scene.game.object; };
+  const bool hasObject = m_scene.game.HasObject();
+  m_game.emplace(m_scene.game, hasObject ? std::ranges::find_if(m_world.Bodies(), isObject)->id : 0);
 }
 
 const Playground::Player* Playground::FindPlayer(ClientId client) const {
@@ -75,9 +81,8 @@ std::string Playground::Do(const JoinEntry& join) {
   Player& player = m_players[join.client];
   player.name = join.name;
   if (join.isSpectator) return "";
-  player.body = m_world.AddBody(static_cast<std::uint8_t>(m_scene.player.blueprint),
-                                scenes::FindFreeSpawn(m_scene.player, join.client, m_world));
-  if (m_game) m_game->Enter(join.client);
+  if (m_game) m_game->Enter(join.client, join.isBot);
+  player.body = m_world.AddBody(static_cast<std::uint8_t>(m_scene.player.blueprint), FindStart(join.client));
   return "";
 }
 
@@ -159,15 +164,24 @@ std::string Playground::Do(const RestartEntry& /*restart*/) {
     m_happenings.push_back({.kind = Happening::Kind::kRespawn, .body = placed.body});
   }
   const bool isProtected = m_workshop && m_workshop->IsProtected();
-  OpenWorkshopAndGame();
+  OpenWorkshop();
   if (m_workshop) m_workshop->SetProtected(isProtected);
+  if (m_game) m_game->BeginAnew();
   for (const auto& [client, player] : m_players) {
     if (player.body == 0) continue;
-    m_world.RenewBody(player.body, static_cast<std::uint8_t>(m_scene.player.blueprint),
-                      scenes::FindFreeSpawn(m_scene.player, client, m_world));
+    m_world.RenewBody(player.body, static_cast<std::uint8_t>(m_scene.player.blueprint), FindStart(client));
     m_happenings.push_back({.kind = Happening::Kind::kRespawn, .body = player.body});
-    if (m_game) m_game->Enter(client);
   }
+  return "";
+}
+
+std::string Playground::Do(const ReadyEntry& ready) {
+  if (m_game) m_game->SetReady(ready.client, ready.isReady);
+  return "";
+}
+
+std::string Playground::Do(const MatchEntry& match) {
+  if (m_game && match.rounds >= 0) m_game->SetRounds(match.rounds);
   return "";
 }
 
@@ -195,8 +209,12 @@ physics::StepReport Playground::Step() {
 
 void Playground::MovePlayers() {
   for (const auto& [client, player] : m_players) {
-    if (player.body != 0) m_world.SetControl(player.body, player.control, m_scene.player.limits);
-    m_hands.Hold({client, player.body}, player.hand, m_world);
+    const Actor actor{client, player.body};
+    if (player.body != 0) {
+      m_world.SetControl(player.body, m_game ? m_game->FindControl(player.control) : player.control,
+                         m_game ? m_game->FindLimits(client, m_scene.player.limits) : m_scene.player.limits);
+    }
+    m_hands.Hold(actor, m_game ? m_game->FindHand(actor, player.hand, m_world) : player.hand, m_world);
   }
 }
 
@@ -228,32 +246,32 @@ void Playground::Respawn(physics::BodyId body, const Vector3d& place) {
   m_happenings.push_back({.kind = Happening::Kind::kRespawn, .body = body});
 }
 
-void Playground::RespawnPlayer(ClientId client, const Player& player) {
-  Respawn(player.body, scenes::FindFreeSpawn(m_scene.player, client, m_world));
+Vector3d Playground::FindStart(ClientId client) const {
+  return scenes::FindFreeSpawn(m_game ? m_game->FindPlaces(client, m_scene.player) : m_scene.player, client, m_world);
 }
+
+void Playground::RespawnPlayer(ClientId client, const Player& player) { Respawn(player.body, FindStart(client)); }
 
 void Playground::PlayGame() {
-  NoteTouches();
-  const int round = m_game->Round();
-  m_game->Advance(m_world.Settings().tickDuration);
-  if (m_game->Round() == round) return;
-  for (const auto& [client, player] : m_players) {
-    if (player.body != 0) RespawnPlayer(client, player);
-  }
-}
-
-void Playground::NoteTouches() {
   std::map<physics::BodyId, ClientId> players;
   for (const auto& [client, player] : m_players) {
     if (player.body != 0) players[player.body] = client;
   }
-  std::vector<physics::BodyId> touched;
-  for (const auto& [body, client] : players) {
-    m_world.ListTouching(body, touched);
-    for (const physics::BodyId other : touched) {
-      const auto found = players.find(other);
-      if (found != players.end()) m_game->NoteTouch(client, found->second);
-    }
+  if (m_game->Follow(m_world, players, m_hands, m_happenings)) PlaceAll();
+}
+
+// Players first leave the field, so that nobody's old place is in another one's way.
+void Playground::PlaceAll() {
+  constexpr double kAside = 100, kApart = 10;  // m
+  Vector3d aside = m_scene.player.spawn + Vector3d(0, 0, kAside);
+  for (const auto& [client, player] : m_players) {
+    if (player.body != 0) m_world.PlaceBody(player.body, aside += Vector3d(0, 0, kApart));
+  }
+  for (const scenes::PlacedBody& placed : m_sceneBodies) {
+    if (placed.body == m_game->Object()) Respawn(placed.body, placed.home);
+  }
+  for (const auto& [client, player] : m_players) {
+    if (player.body != 0) RespawnPlayer(client, player);
   }
 }
 

@@ -14,8 +14,8 @@
 
 #include "server/physics/world.h"
 #include "server/play/entry.h"
+#include "server/play/game.h"
 #include "server/play/hands.h"
-#include "server/play/sumo.h"
 #include "server/play/tuning.h"
 #include "server/play/workshop.h"
 #include "server/scenes/scene.h"
@@ -25,17 +25,6 @@ namespace wobble::server {
 // A body farther than this from the origin along an axis, m, respawns like one that fell: a tenth farther it could not
 // be shown on the wire.
 inline constexpr double kBorder = 7372;
-
-// What clients are to be told of.
-struct Happening {
-  enum class Kind : std::uint8_t {
-    kFall,     // of a player's body, in a game
-    kRespawn,  // of any body
-  };
-  Kind kind = Kind::kRespawn;
-  physics::BodyId body = 0;
-  ClientId by = 0;  // kFall: who gets the point; 0: nobody
-};
 
 struct PlaygroundState;
 
@@ -87,7 +76,7 @@ class Playground {
   [[nodiscard]] const Tuning& ReadTuning() const { return m_tuning; }
   // Null: the scene has none.
   [[nodiscard]] const Workshop* ReadWorkshop() const { return m_workshop ? &*m_workshop : nullptr; }
-  [[nodiscard]] const Sumo* ReadGame() const { return m_game ? &*m_game : nullptr; }
+  [[nodiscard]] const Game* ReadGame() const { return m_game ? &*m_game : nullptr; }
 
  private:
   std::string Do(const JoinEntry& join);
@@ -97,16 +86,21 @@ class Playground {
   std::string Do(const ProtectEntry& protect);
   std::string Do(const ResetEntry& reset);
   std::string Do(const RestartEntry& restart);
+  std::string Do(const ReadyEntry& ready);
+  std::string Do(const MatchEntry& match);
   std::string Do(const MotionEntry& motion);
   std::string Cut(const ActEntry& act, physics::BodyId body, const CutCommand& cut);
 
-  void OpenWorkshopAndGame();
+  void OpenWorkshop();
+  void OpenGame();
   void MovePlayers();
   void RespawnFallen();
   void Respawn(physics::BodyId body, const physics::Vector3d& place);
   void RespawnPlayer(ClientId client, const Player& player);
+  // Where a player starts, m.
+  [[nodiscard]] physics::Vector3d FindStart(ClientId client) const;
   void PlayGame();
-  void NoteTouches();
+  void PlaceAll();
 
   scenes::Scene m_scene;
   std::uint64_t m_seed;
@@ -116,7 +110,7 @@ class Playground {
   Hands m_hands;
   Tuning m_tuning;
   std::optional<Workshop> m_workshop;
-  std::optional<Sumo> m_game;
+  std::optional<Game> m_game;
   std::vector<Happening> m_happenings;
   std::function<void(const Entry&)> m_listener;
 };

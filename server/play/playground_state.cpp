@@ -41,7 +41,7 @@ std::string Playground::Restore(const PlaygroundState& state) {
   if (!state.gravity.allFinite()) return "gravity: must be finite";
   if (!m_hands.Write(state.hands, m_world)) return "hands: must hold vertices that there are";
   if (m_workshop && !m_workshop->Write(*state.workshop, m_world)) return "workshop: must be of the body in the world";
-  if (m_game) m_game->Write(*state.game);
+  if (m_game && !m_game->Write(*state.game)) return "game: must be of the scene's kind, with its sides and points";
   m_players = state.players;
   m_tuning.Write(state.gravity, state.stiffness);
   m_happenings.clear();

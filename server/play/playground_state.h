@@ -16,7 +16,7 @@ struct PlaygroundState {
   physics::Vector3d gravity = physics::Vector3d::Zero();  // as tuned, m/s²
   double stiffness = 1;                                   // as tuned
   std::optional<Workshop::Memory> workshop;
-  std::optional<Sumo::Memory> game;
+  std::optional<Game::Memory> game;
 };
 
 }  // namespace wobble::server

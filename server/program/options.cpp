@@ -123,7 +123,8 @@ void DescribeOptions(CLI::App& app, Options& options) {
               "How long after the last has left the world pauses; 0: it never does");
   app.add_flag("--admit-when-busy", config.admitsWhenBusy,
                "Let clients in even when ticks take longer than there is time for");
-  addNumber("--rounds", kRoundsRange, config.rounds, "Rounds of the scene's game that make a match; 0: no end");
+  addNumber("--rounds", kRoundsRange, config.rounds,
+            "Rounds of the scene's game that make a match; 0: as the scene says");
   const auto readAfterMatch = [&options](const std::string& word) {
     if (word != "end" && word != "restart" && word != "next") {
       options.errors.push_back("--after-match " + word + ": must be end, restart or next");

@@ -19,7 +19,7 @@ inline constexpr auto kLast<physics::ContactPhase> = physics::ContactPhase::kTou
 template <>
 inline constexpr auto kLast<physics::SkinSide> = physics::SkinSide::kBack;
 template <>
-inline constexpr auto kLast<server::Sumo::Phase> = server::Sumo::Phase::kWon;
+inline constexpr auto kLast<server::Match::Phase> = server::Match::Phase::kOver;
 template <>
 inline constexpr auto kLast<server::TuneCommand::Kind> = server::TuneCommand::Kind::kJump;
 template <>
@@ -224,8 +224,8 @@ void Describe(Archive& archive, Value& value) {
 
 template <class Archive, Is<JoinEntry> Value>
 void Describe(Archive& archive, Value& value) {
-  auto& [client, isSpectator, name] = value;
-  archive(client, isSpectator, name);
+  auto& [client, isSpectator, name, isBot] = value;
+  archive(client, isSpectator, name, isBot);
 }
 
 template <class Archive, Is<LeaveEntry> Value>
@@ -260,6 +260,18 @@ template <class Archive, Is<MotionEntry> Value>
 void Describe(Archive& archive, Value& value) {
   auto& [body, positions, velocities] = value;
   archive(body, positions, velocities);
+}
+
+template <class Archive, Is<ReadyEntry> Value>
+void Describe(Archive& archive, Value& value) {
+  auto& [client, isReady] = value;
+  archive(client, isReady);
+}
+
+template <class Archive, Is<MatchEntry> Value>
+void Describe(Archive& archive, Value& value) {
+  auto& [rounds] = value;
+  archive(rounds);
 }
 
 template <class Archive, Is<Playground::Player> Value>
@@ -300,22 +312,54 @@ void Describe(Archive& archive, Value& value) {
           sinceUpdate, lastNumber);
 }
 
-template <class Archive, Is<Sumo::Standing> Value>
+template <class Archive, Is<Match::Standing> Value>
 void Describe(Archive& archive, Value& value) {
-  auto& [client, points, rounds] = value;
-  archive(client, points, rounds);
+  auto& [client, side, points, rounds, isReady, isBot] = value;
+  archive(client, side, points, rounds, isReady, isBot);
 }
 
-template <class Archive, Is<Sumo::Wrestler> Value>
+template <class Archive, Is<Match::Side> Value>
 void Describe(Archive& archive, Value& value) {
-  auto& [standing, touchedBy, touchedAt] = value;
-  archive(standing, touchedBy, touchedAt);
+  auto& [points, rounds] = value;
+  archive(points, rounds);
 }
 
-template <class Archive, Is<Sumo::Memory> Value>
+template <class Archive, Is<Match::Memory> Value>
 void Describe(Archive& archive, Value& value) {
-  auto& [wrestlers, phase, round, secondsLeft, now, winner, revision] = value;
-  archive(wrestlers, phase, round, secondsLeft, now, winner, revision);
+  auto& [players, sides, phase, round, rounds, matches, secondsLeft, playLeft, now, winner, winningSide, places,
+         revision] = value;
+  archive(players, sides, phase, round, rounds, matches, secondsLeft, playLeft, now, winner, winningSide, places,
+          revision);
+}
+
+template <class Archive, Is<Sumo::Touch> Value>
+void Describe(Archive& archive, Value& value) {
+  auto& [by, at] = value;
+  archive(by, at);
+}
+
+template <class Archive, Is<Sumo> Value>
+void Describe(Archive& archive, Value& value) {
+  auto& [touches] = value;
+  archive(touches);
+}
+
+template <class Archive, Is<Goals> Value>
+void Describe(Archive& archive, Value& value) {
+  auto& [touchedBy] = value;
+  archive(touchedBy);
+}
+
+template <class Archive, Is<Crown> Value>
+void Describe(Archive& archive, Value& value) {
+  auto& [bearer, loser, since, worn, vertex, grip, lift] = value;
+  archive(bearer, loser, since, worn, vertex, grip, lift);
+}
+
+template <class Archive, Is<Game::Memory> Value>
+void Describe(Archive& archive, Value& value) {
+  auto& [match, rules] = value;
+  archive(match, rules);
 }
 
 template <class Archive, Is<PlaygroundState> Value>

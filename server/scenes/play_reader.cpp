@@ -25,13 +25,17 @@ void ReadTuning(TableReader& reader, TuningRules& tuning) {
   reader.Read("time", kWho, tuning.time);
 }
 
-bool IsGraphOfOneBody(const Scene& scene, std::size_t blueprint) {
-  if (blueprint >= scene.blueprints.size()) return true;  // already refused
+bool HasOneBody(const Scene& scene, std::size_t blueprint) {
   int bodies = 0;
   for (const BodyGroup& group : scene.groups) {
     if (group.blueprint == blueprint) bodies += group.count[0] * group.count[1] * group.count[2];
   }
-  return bodies == 1 && std::holds_alternative<physics::GraphDefinition>(scene.blueprints[blueprint]);
+  return bodies == 1;
+}
+
+bool IsGraphOfOneBody(const Scene& scene, std::size_t blueprint) {
+  if (blueprint >= scene.blueprints.size()) return true;  // already refused
+  return HasOneBody(scene, blueprint) && std::holds_alternative<physics::GraphDefinition>(scene.blueprints[blueprint]);
 }
 
 void ReadWorkshop(TableReader& reader, Scene& scene) {
@@ -46,11 +50,28 @@ void ReadWorkshop(TableReader& reader, Scene& scene) {
   }
 }
 
-void ReadGame(TableReader& reader, GameRules& game) {
+void ReadGame(TableReader& reader, Scene& scene) {
+  using Kind = GameRules::Kind;
+  static const std::map<std::string, Kind> kKinds{
+      {"sumo", Kind::kSumo}, {"goals", Kind::kGoals}, {"crown", Kind::kCrown}};
+  GameRules& game = scene.game;
   reader.Require("kind");
-  reader.Read("kind", std::map<std::string, GameRules::Kind>{{"sumo", GameRules::Kind::kSumo}}, game.kind);
+  if (!reader.Read("kind", kKinds, game.kind)) return reader.PassOver();
   reader.Read("round", 10, 3600, " s", game.roundSeconds);
   reader.Read("points", 1, 1000, game.pointsToWin);
+  reader.Read("rounds", 0, 1000, game.rounds);
+  reader.Read("lobby", 0, 600, " s", game.lobbySeconds);
+  if (game.HasObject()) {
+    ReadBlueprintName(reader, scene, game.object);
+    if (game.object < scene.blueprints.size() && !HasOneBody(scene, game.object)) {
+      reader.RefuseAsWritten("blueprint", "given", "one of which [[bodies]] has exactly one");
+    }
+  }
+  if (game.kind != Kind::kGoals) return;
+  reader.Read("goal_line", 1, 1000, " m", game.goalLine);
+  reader.Read("goal_half_width", 0.5, 1000, " m", game.goalHalfWidth);
+  reader.Read("goal_height", 0.5, 1000, " m", game.goalHeight);
+  reader.Read("kick_off", 0, 1000, " m", game.kickOff);
 }
 
 }  // namespace
@@ -59,7 +80,7 @@ void ReadPlayRules(TableReader& reader, Scene& scene) {
   reader.ReadTables("hands", [&](TableReader& table) { ReadHands(table, scene.hands); });
   reader.ReadTables("tuning", [&](TableReader& table) { ReadTuning(table, scene.tuning); });
   reader.ReadTables("workshop", [&](TableReader& table) { ReadWorkshop(table, scene); });
-  reader.ReadTables("game", [&](TableReader& table) { ReadGame(table, scene.game); });
+  reader.ReadTables("game", [&](TableReader& table) { ReadGame(table, scene); });
 }
 
 }  // namespace wobble::scenes

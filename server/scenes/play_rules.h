@@ -36,12 +36,38 @@ struct WorkshopRules {
   bool isProtected = false;  // players change only what they have built themselves
 };
 
-// Sumo: a player who falls below the scene's kill height gives a point to the player who touched them last.
+// The game that is played; server/play has the rules of each.
 struct GameRules {
-  enum class Kind { kNone, kSumo };
+  enum class Kind { kNone, kSumo, kGoals, kCrown };
   Kind kind = Kind::kNone;
   double roundSeconds = 120;  // s
-  int pointsToWin = 5;        // a player with so many wins the round at once
+  int pointsToWin = 5;        // who has so many wins the round at once
+  int rounds = 0;             // that make a match; 0: it never ends
+  // The longest that a match waits for its players to say that they are ready, s; 0: it does not wait.
+  double lobbySeconds = 0;
+  std::size_t object = 0;  // goals, crown: blueprint of the ball or the crown, of which there is one body
+  // Goals: the mouth of each goal, m. Side 1 defends the one at x = -goalLine, side 2 that at +goalLine.
+  double goalLine = 14;
+  double goalHalfWidth = 3;
+  double goalHeight = 3;
+  double kickOff = 6;  // goals: from the middle to where a side starts, along x, m
+
+  [[nodiscard]] bool HasSides() const { return kind == Kind::kGoals; }
+  [[nodiscard]] bool HasObject() const { return kind == Kind::kGoals || kind == Kind::kCrown; }
 };
+// As scenes and clients have it; empty: none.
+[[nodiscard]] constexpr const char* NameOf(GameRules::Kind kind) {
+  switch (kind) {
+    case GameRules::Kind::kSumo:
+      return "sumo";
+    case GameRules::Kind::kGoals:
+      return "goals";
+    case GameRules::Kind::kCrown:
+      return "crown";
+    case GameRules::Kind::kNone:
+      break;
+  }
+  return "";
+}
 
 }  // namespace wobble::scenes

@@ -87,6 +87,12 @@ unsigned Read(const wire::ServerMessage& message) {
   if (const auto* board = message.body_as_Scoreboard()) {
     unsigned sum = board->round();
     for (const wire::Score* score : *board->scores()) sum += score->points();
+    Require(board->winning_side() <= protocol::kSides);
+    Require(board->sides() == nullptr || board->sides()->size() == protocol::kSides);
+    if (board->seats() != nullptr) {
+      Require(board->seats()->size() == board->scores()->size());
+      for (const wire::Seat* seat : *board->seats()) Require(seat->side() <= protocol::kSides);
+    }
     return sum;
   }
   if (const auto* notice = message.body_as_Notice()) return Sum(*notice->text());

@@ -2,11 +2,16 @@
 //
 // Each test has a world of its own. A second page is a spectator, whose camera stands still and shows the whole scene.
 import assert from 'node:assert';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
 import { after, before } from 'node:test';
 
-import { compareScreenshots, findBody, findOwn, joinPage, probe, startBots, startBrowser, startWorld, waitForPlaying }
-  from './support/browser.mjs';
-import { sleep, test, waitFor } from './support/programs.mjs';
+import {
+  compareScreenshots, findBody, findOwn, joinPage, outputFolder, pageFolder, probe, startBots, startBrowser, startWorld,
+  waitForPlaying,
+} from './support/browser.mjs';
+import { binFolder, Program, sleep, startGateway, startServerOn, test, waitFor } from './support/programs.mjs';
 
 // Area of the small screen in pixels with floor and own body, without panels.
 const floorView = { x: 150, y: 180, width: 340, height: 105 };
@@ -298,16 +303,81 @@ test('the forces on a body are shown on request', () =>
     });
   }, {}));
 
-test('sumo shows how it stands, and who fell', () =>
-  play('sumo', async (page, world) => {
-    const bots = startBots(world, 2);
-    const board = page.tab.getByLabel('Score');
-    await board.waitFor();
-    await waitFor('all on the board', async () => (await board.getByRole('listitem').count()) === 3);
-    const text = await board.innerText();
-    for (const part of [/round 1/i, /\d:\d\d/, /first to \d/i, /you/]) assert.match(text, part);
-    await page.tab.keyboard.down('KeyW');
-    await page.tab.getByText(/^(You fell off|.* pushed you off)$/).waitFor();
-    await page.tab.keyboard.up('KeyW');
-    await bots.stop();
-  }, {}));
+// A shipped scene in the folder, with other numbers in its rules. Returns the file.
+function shorten(folder, scene, rules) {
+  const scenes = path.join(binFolder, 'scenes');
+  let text = fs.readFileSync(path.join(scenes, `${scene}.toml`), 'utf8').replaceAll('meshes/', `${scenes}/meshes/`);
+  for (const [rule, value] of Object.entries(rules)) {
+    assert.match(text, new RegExp(`^${rule} = `, 'm'));
+    text = text.replace(new RegExp(`^${rule} = .*$`, 'm'), `${rule} = ${value}`);
+  }
+  const file = path.join(folder, `${scene}.toml`);
+  fs.writeFileSync(file, text);
+  return file;
+}
+
+// Runs at the ball, the crown or the nearest player, and pushes or grabs it.
+const eagerBot = `
+function run(bot)
+  while true do
+    local game, x, y = bot:game(), bot:position()
+    local other = game and (game.object or bot:near(30)[1])
+    if x and other then
+      bot:move(2 * (other.x - x), 2 * (other.y - y))
+      if game.kind == 'crown' and game.bearer ~= bot:body() then
+        bot:release()
+        bot:wait(0.05)
+        bot:grab(other.body)
+      elseif other.distance < 2 then
+        bot:push(other.body)
+      end
+    end
+    bot:wait(0.1)
+  end
+end`;
+
+// One page goes along from game to game; a game ends with its final board.
+test('a whole match of each game is played with bots', async () => {
+  const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'wobble-games-'));
+  const scenes = [
+    shorten(folder, 'sumo', { round: 10, points: 1 }),
+    shorten(folder, 'goals', { round: 10, points: 1, goal_line: 2, goal_half_width: 9 }),
+    shorten(folder, 'crown', { round: 10, points: 2 }),
+  ];
+  fs.writeFileSync(path.join(folder, 'eager.lua'), eagerBot);
+  const socket = path.join(folder, 'admin.sock');
+  const options = ['--rotation', scenes.join(','), '--rounds', '1', '--after-match', 'next', '--admin-socket', socket];
+  const { program: server, address } = await startServerOn(0, '--untrained', ...options);
+  const { program: gateway, host } = await startGateway(address, pageFolder);
+  const page = await joinPage(browser, host);
+  const bots = startBots({ address }, 2, path.join(folder, 'eager.lua'));
+  const board = page.tab.getByLabel('Score');
+  await waitFor('all on the board', async () => (await board.getByRole('listitem').count()) === 3);
+  const text = await board.innerText();
+  for (const part of [/round 1 of 1/i, /\d:\d\d/, /first to 1/i, /you/]) assert.match(text, part);
+  await page.tab.keyboard.down('KeyW');
+  await page.tab.getByText(/^(You fell off|.* pushed you off)$/).waitFor();
+  await page.tab.keyboard.up('KeyW');
+  const end = /^(You win!|Nobody wins this round|.* wins( this round)?)$/;
+  for (const game of ['sumo', 'goals', 'crown']) {
+    if (game !== 'sumo') {
+      await waitFor(game, async () => (await probe(page, 'state')).scene === game);
+      await waitForPlaying(page.tab);
+      const ready = page.tab.getByRole('button', { name: 'Say that you are ready' });
+      await ready.waitFor();
+      if (game === 'goals') await ready.click();
+      else await page.tab.keyboard.press('KeyY');
+      await page.tab.getByText(game === 'goals' ? /^You are (Blue|Red): score in the (Blue|Red) goal. \d$/ : /^Get ready: \d$/).waitFor();
+      await ready.waitFor({ state: 'hidden' });
+      await page.tab.getByText(game === 'goals' ? /^(Goal by .*|Own goal)!$/ : /ha(s|ve) the crown$/).first().waitFor();
+    }
+    await page.tab.getByText(end).waitFor();
+    await page.tab.screenshot({ path: path.join(outputFolder, `end_of_${game}.png`) });
+    if (game === 'crown') break;
+    assert.equal(await new Program('wobble', ['admin', '--socket', socket, 'next']).end, 0);
+  }
+  assert.deepEqual(page.complaints, []);
+  await page.leave();
+  await Promise.all([bots, gateway, server].map((program) => program.stop()));
+  fs.rmSync(folder, { recursive: true });
+});

@@ -25,6 +25,7 @@ const kGroundWords = 7;
 const kParticleTagBytes = 12;
 const kSpringTagBytes = 20;
 const kScoreBytes = 8;
+const kSeatBytes = 3;
 const kForceFieldWords = 3;
 const kDecoder = new TextDecoder();
 
@@ -246,11 +247,23 @@ export function readTuning(module: WobbleModule, address: number): Tuning {
 }
 
 export function readScoreboard(module: WobbleModule, address: number): Scoreboard {
-  const words = module.HEAPU32.subarray(address >> 2, (address >> 2) + 7);
+  const words = module.HEAPU32.subarray(address >> 2, (address >> 2) + 14);
+  const halves = module.HEAPU16;
   const scores = [];
-  for (let i = 0, at = words[6]; i < words[5]; ++i, at += kScoreBytes) {
-    const halves = module.HEAPU16;
-    scores.push({ clientId: module.HEAPU32[at >> 2], points: halves[(at + 4) >> 1], rounds: halves[(at + 6) >> 1] });
+  for (let i = 0, at = words[6], seat = words[7]; i < words[5]; ++i, at += kScoreBytes, seat += kSeatBytes) {
+    const [side, isReady, isBot] = module.HEAPU8.subarray(seat, seat + kSeatBytes);
+    scores.push({
+      clientId: module.HEAPU32[at >> 2],
+      points: halves[(at + 4) >> 1],
+      rounds: halves[(at + 6) >> 1],
+      side,
+      isReady: isReady !== 0,
+      isBot: isBot !== 0,
+    });
+  }
+  const sides = [];
+  for (let i = 0, at = words[13] >> 1; i < words[12]; ++i, at += 2) {
+    sides.push({ points: halves[at], rounds: halves[at + 1] });
   }
   return {
     phase: words[0],
@@ -259,6 +272,11 @@ export function readScoreboard(module: WobbleModule, address: number): Scoreboar
     pointsToWin: words[3],
     winner: words[4],
     scores,
+    rounds: words[8],
+    winningSide: words[9],
+    object: words[10],
+    bearer: words[11],
+    sides,
   };
 }
 

@@ -166,10 +166,27 @@ export interface Tuning {
 export enum GamePhase {
   Playing = 0,
   Won = 1,
+  /** the match begins when all are ready, or the time has run out */
+  Lobby = 2,
+  /** all are at their places and may not move */
+  KickOff = 3,
+  /** the next point wins */
+  Golden = 4,
+  /** the match is over */
+  Over = 5,
 }
 
 export interface Score {
   clientId: number;
+  points: number;
+  rounds: number;
+  /** 1 or 2; 0: the game has no sides */
+  side: number;
+  isReady: boolean;
+  isBot: boolean;
+}
+
+export interface SideScore {
   points: number;
   rounds: number;
 }
@@ -179,9 +196,19 @@ export interface Scoreboard {
   round: number;
   secondsLeft: number;
   pointsToWin: number;
-  /** client; 0: none */
+  /** client, of the last round, and in Over of the match; 0: none */
   winner: number;
   scores: Score[];
+  /** that make a match; 0: it never ends */
+  rounds: number;
+  /** as winner; 0: none */
+  winningSide: number;
+  /** the ball or the crown, a body; 0: none */
+  object: number;
+  /** client who wears the crown; 0: nobody */
+  bearer: number;
+  /** of sides 1 and 2; empty: the game has no sides */
+  sides: SideScore[];
 }
 
 export enum ForceKind {
@@ -238,6 +265,10 @@ export enum EventKind {
   Emote = 6,
   /** name is clientId's from now on */
   Rename = 7,
+  /** body, the ball, is in a goal; clientId, if not 0, has scored it */
+  Goal = 8,
+  /** clientId wears the crown, body, from now on */
+  Crown = 9,
 }
 
 export interface WorldEvent {

@@ -8,6 +8,7 @@ import { BuildPanel } from './hud/build_panel';
 import { ConnectionCard } from './hud/connection_card';
 import { FilmPanel, kFilm } from './hud/film_panel';
 import { Help } from './hud/help';
+import { DescribeMatchEvent } from './hud/match_news';
 import { Hints } from './hud/hints';
 import { InvitePanel } from './hud/invite_panel';
 import { LinkChart } from './hud/link_chart';
@@ -344,7 +345,7 @@ export class App {
     this.m_world.Update(this.camera.yaw);
     this.m_hints.Update(now);
     if (this.welcome!.game === kFilm) this.m_film.Update(client, now);
-    else if (this.welcome!.game !== '') this.m_board.Update(client, this.players, now);
+    else if (this.welcome!.game !== '') this.m_board.Update(client, this.welcome!.game, this.players, now);
   }
 
   private Welcome(client: Client): void {
@@ -356,7 +357,7 @@ export class App {
     document.title = `${welcome.scene} · wobble`;
     this.m_invite.Update(this.connection.world, welcome);
     this.m_talk.Begin(welcome);
-    this.arena.Build(welcome.obstacles, welcome.grounds);
+    this.arena.Build(welcome.obstacles, welcome.grounds, welcome.game);
     this.players.NoteOwn(welcome.clientId, welcome.ownBody, this.connection.name);
     this.camera.Reset(welcome.ownBody !== 0 ? CameraMode.Follow : CameraMode.Orbit);
     this.m_hands.Allow(welcome.game === kFilm ? 0 : welcome.hands);
@@ -368,6 +369,8 @@ export class App {
     if (event.kind === EventKind.Leave) this.m_toasts.Add(`${this.players.FindName(event.clientId)} left`);
     if (event.kind === EventKind.Fall) this.m_toasts.Add(this.DescribeFall(event));
     if (event.kind === EventKind.Rename) this.NoteRename(event);
+    const news = DescribeMatchEvent(event, this.players);
+    if (news !== '') this.m_toasts.Add(news);
     this.players.NoteEvent(event);
     const isOwn = event.clientId === this.players.ownClient;
     if (isOwn && (event.kind === EventKind.Join || event.kind === EventKind.Rename)) this.m_people.TakeOwnName(event.name);

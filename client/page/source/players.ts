@@ -1,5 +1,5 @@
 // The players: names and bodies, from the server's events.
-import { EventKind, type WorldEvent } from 'wobble-client';
+import { EventKind, type Scoreboard, type WorldEvent } from 'wobble-client';
 
 export interface Player {
   clientId: number;
@@ -10,14 +10,19 @@ export interface Player {
 export class Players {
   ownBody = 0;
   ownClient = 0;
+  game = ''; // its name; empty: none
+  object = 0; // the ball or the crown of the game, a body; 0: none
   followed = 0; // client whose body is watched by who has none; 0: nobody's
   revision = 0; // changes whenever the list of players, or who is followed, changes
   readonly all = new Map<number, Player>();
   private readonly m_bodies = new Map<number, Player>();
+  private readonly m_sides = new Map<number, number>(); // in the game, by client
 
   Clear(): void {
-    this.ownBody = this.ownClient = this.followed = 0;
+    this.ownBody = this.ownClient = this.followed = this.object = 0;
+    this.game = '';
     this.all.clear();
+    this.m_sides.clear();
     this.m_bodies.clear();
     this.revision += 1;
   }
@@ -32,6 +37,25 @@ export class Players {
     if (event.kind === EventKind.Join) this.Add({ clientId: event.clientId, name: event.name, body: event.body });
     if (event.kind === EventKind.Leave) this.Remove(event.clientId);
     if (event.kind === EventKind.Rename) this.Rename(event.clientId, event.name);
+  }
+
+  // What the game says of sides and of its ball or crown.
+  NoteBoard(game: string, board: Scoreboard): void {
+    const isSame =
+      game === this.game &&
+      board.object === this.object &&
+      board.scores.every((score) => this.m_sides.get(score.clientId) === score.side);
+    if (isSame) return;
+    this.game = game;
+    this.object = board.object;
+    for (const score of board.scores) this.m_sides.set(score.clientId, score.side);
+    this.revision += 1;
+  }
+
+  // The side of a player's body; 0: none.
+  FindSide(body: number): number {
+    const player = this.m_bodies.get(body);
+    return player === undefined ? 0 : (this.m_sides.get(player.clientId) ?? 0);
   }
 
   // Follows this client's body, or nobody's if it already does.

@@ -30,6 +30,8 @@ const kNothing: Offer = { worlds: [], recordings: null, elsewhere: [], addresses
 const kPurposes: Record<string, string> = {
   arena: 'Roll, jump, throw balls and friends about',
   sumo: 'Push the others off the platform',
+  goals: 'Two sides, one big soft ball',
+  crown: 'Grab the crown and keep it',
   curtain: 'Grab it, cut it, jump through it',
   sandbox: 'Build with particles and springs, together',
 };

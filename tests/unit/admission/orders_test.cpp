@@ -331,6 +331,45 @@ TEST_F(OrdersTest, MoreThanHalfOfThePlayersVoteForANewWorld) {
   EXPECT_LT(game->Centre(kBall).z(), 0.9) << "one vote passes a minute";
 }
 
+TEST_F(OrdersTest, PlayersSayThatTheyAreReady) {
+  Start("[game]\nkind = \"sumo\"\nlobby = 60\n");
+  client::Client& ada = Join("Ada");
+  client::Client& bob = Join("Bob");
+  client::Client& eve = game->AddClient({.name = "Eve", .spectator = true});
+  game->AddClient({.name = "bot 1", .isBot = true});
+  game->Run(1);
+  const Notices adas(ada);
+  const Notices eves(eve);
+  const auto order = [&](client::Client& client, const char* line) {
+    client.Order(line);
+    game->Run(0.2);
+  };
+  using protocol::wire::GamePhase;
+  EXPECT_EQ(ada.ReadScoreboard().phase, GamePhase::Lobby);
+  ASSERT_EQ(ada.ReadScoreboard().seats.size(), 3U);
+  EXPECT_TRUE(ada.ReadScoreboard().seats[2].bot() && ada.ReadScoreboard().seats[2].ready());
+  order(ada, "ready");
+  EXPECT_TRUE(adas.Ends("you are ready: 2 of 3 are ready")) << "a bot is at once";
+  order(ada, "ready no");
+  EXPECT_TRUE(adas.Ends("you are not ready: 1 of 3"));
+  order(ada, "ready soon");
+  EXPECT_TRUE(adas.Ends("ready: may be followed by no"));
+  order(eve, "ready");
+  EXPECT_TRUE(eves.Ends("you watch"));
+  EXPECT_TRUE(Give("mute 1").isDone);
+  order(ada, "ready");
+  order(bob, "ready");
+  EXPECT_EQ(ada.ReadScoreboard().phase, GamePhase::Playing);
+  order(ada, "ready");
+  EXPECT_TRUE(adas.Ends("the match has begun already"));
+  EXPECT_FALSE(Give("ready").isDone) << "who is outside does not play";
+  Start();
+  const Notices bobs(Join("Bob"));
+  game->clients.back()->Order("ready");
+  game->Run(0.2);
+  EXPECT_TRUE(bobs.Ends("there is no game to be ready for"));
+}
+
 TEST_F(OrdersTest, ScenesFollowOneAnotherByOrderAndByVote) {
   Start();
   EXPECT_FALSE(Give("next").isDone) << "there is no other";

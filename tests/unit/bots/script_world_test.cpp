@@ -88,6 +88,120 @@ TEST(BotScriptWorld, KnowsItsOwnBodyAndItsMotion) {
   EXPECT_EQ(world.printed, "7\tnil\n3.0\t0.0\t-1.0\n");
 }
 
+TEST(BotScriptWorld, HandsGrabPushCutAndBuild) {
+  World world(R"(function run(bot)
+    print(bot:grab(9), bot:grab(4))
+    bot:wait(0)
+    bot:grab(9, 1, 2, 3)
+    print(bot:push(9), bot:push(9, 0, 0, 2), bot:push(4))
+    bot:cut(9, 1, 2, 3, 4, 5, 6)
+    bot:build('add_spring', {a = 3, b = 4, length = 2})
+    bot:wait(0)
+    bot:release()
+    bot:wait(0)
+    for i = 1, 9 do bot:push(9) end
+  end)");
+  world.AddBody(9, {1, 5, 0});
+  protocol::Vector3 asked;
+  world.view.findBody = [&](std::uint32_t body) { return body == 9 ? std::optional(world.bodies[1]) : std::nullopt; };
+  world.view.findVertex = [&](std::uint32_t body, const protocol::Vector3& place) {
+    asked = place;
+    return body == 9 ? std::optional<std::uint16_t>(21) : std::nullopt;
+  };
+  ASSERT_EQ(world.Resume(0), Script::Result::kRunning) << world.error;
+  EXPECT_EQ(world.printed, "true\tfalse\n");
+  ASSERT_TRUE(world.wish.hand);
+  EXPECT_EQ(world.wish.hand->body, 9U);
+  EXPECT_EQ(world.wish.hand->vertex, 21U);
+  EXPECT_EQ(world.wish.hand->target.x, 1) << "its own centre";
+  EXPECT_EQ(asked.y, 1) << "the vertex that is nearest to its own centre";
+  world.printed.clear();
+  ASSERT_EQ(world.Resume(0.1), Script::Result::kRunning) << world.error;
+  EXPECT_EQ(world.printed, "true\ttrue\tfalse\n");
+  EXPECT_EQ(world.wish.hand->target.z, 3);
+  ASSERT_EQ(world.wish.deeds.size(), 4U);
+  EXPECT_EQ(std::get<Script::Push>(world.wish.deeds[0]).direction.y, 4) << "away from itself";
+  EXPECT_EQ(std::get<Script::Push>(world.wish.deeds[1]).direction.z, 2);
+  EXPECT_EQ(std::get<Script::Cut>(world.wish.deeds[2]).eye.x, 1) << "its own centre";
+  EXPECT_EQ(std::get<Script::Cut>(world.wish.deeds[2]).to.z, 6);
+  const auto& build = std::get<protocol::BuildFields>(world.wish.deeds[3]);
+  EXPECT_EQ(build.kind, wire::BuildKind::AddSpring);
+  EXPECT_EQ(build.b, 4);
+  EXPECT_EQ(build.restLength, 2);
+  EXPECT_EQ(build.stiffness, 100) << "the default";
+  ASSERT_EQ(world.Resume(0.2), Script::Result::kRunning) << world.error;
+  EXPECT_FALSE(world.wish.hand);
+  EXPECT_TRUE(world.wish.deeds.empty()) << "once";
+  EXPECT_EQ(world.Resume(0.3), Script::Result::kFailed);
+  EXPECT_NE(world.error.find("more than 8 pushes, cuts and builds without a bot:wait"), std::string::npos)
+      << world.error;
+}
+
+TEST(BotScriptWorld, HandsNameWhatIsWrong) {
+  const std::vector<std::pair<std::string, std::string>> faults{
+      {"bot:grab(0)", "#1 to 'grab' (must be the number of a body, 1 or more)"},
+      {"bot:grab('ball')", "#1 to 'grab' (number expected, got string)"},
+      {"bot:grab(9, 1, 2)", "#4 to 'grab' (number expected, got no value)"},
+      {"bot:grab(9, 1, 2, 9000)", "#4 to 'grab' (must be a number of -8192 to 8192)"},
+      {"bot:grab(9, 0/0, 0, 0)", "#2 to 'grab' (must be a number of -8192 to 8192)"},
+      {"bot:push(9, 0, 0, 0)", "#2 to 'push' (must be a direction, not 0, 0, 0)"},
+      {"bot:push(1e10)", "#1 to 'push' (must be the number of a body, 1 or more)"},
+      {"bot:cut(9, 1, 2, 3)", "#5 to 'cut' (number expected, got no value)"},
+      {"bot:build('house', {})", "#1 to 'build' (must be add_particle, add_spring"},
+      {"bot:build('add_particle')", "#2 to 'build' (table expected, got no value)"},
+      {"bot:build('add_particle', {mass = -1})", "#2 to 'build' (mass -1: must be a number of 0.0 to 1000000.0)"},
+      {"bot:build('add_particle', {x = 'a'})", "#2 to 'build' (x a: must be a number of -8192.0 to 8192.0)"},
+      {"bot:build('add_spring', {a = 70000})", "#2 to 'build' (a 70000: must be a number of 0.0 to 65535.0)"}};
+  for (const auto& [call, words] : faults) {
+    World world("function run(bot) " + call + " end");
+    EXPECT_EQ(world.Resume(0), Script::Result::kFailed) << call;
+    EXPECT_NE(world.error.find("bad argument " + words), std::string::npos) << call << ": " << world.error;
+    EXPECT_FALSE(world.wish.hand);
+    EXPECT_TRUE(world.wish.deeds.empty());
+  }
+}
+
+TEST(BotScriptWorld, KnowsTheGame) {
+  World world(R"(function run(bot)
+    print(bot:game())
+    bot:wait(0)
+    local g = bot:game()
+    print(g.kind, g.phase, g.round, g.rounds, g.seconds_left, g.points_to_win, g.points, g.side)
+    print(g.sides[1].points, g.sides[2].rounds, g.object.body, g.object.distance, g.bearer)
+    for _, p in ipairs(g.players) do print(p.body, p.name, p.points, p.rounds, p.side, p.own) end
+    for _, e in ipairs(bot:events()) do print(e.kind, e.own) end
+  end)");
+  world.AddBody(9, {1, 5, 0});
+  ASSERT_EQ(world.Resume(0), Script::Result::kRunning) << world.error;
+  const client::Scoreboard board{.phase = wire::GamePhase::Golden,
+                                 .round = 2,
+                                 .secondsLeft = 31,
+                                 .pointsToWin = 5,
+                                 .scores = {{4, 3, 1}, {3, 2, 0}},
+                                 .rounds = 3,
+                                 .seats = {{1, true, false}, {2, true, true}},
+                                 .sides = {{3, 1}, {2, 0}},
+                                 .object = 9,
+                                 .bearer = 4};
+  const std::unordered_map<std::uint32_t, std::uint32_t> bodies{{3, 7}, {4, 8}};
+  world.names = {{8, "Ada"}};
+  world.view.client = 3;
+  world.view.game = "goals";
+  world.view.scoreboard = &board;
+  world.view.bodies = &bodies;
+  world.view.findBody = [&](std::uint32_t) { return std::optional(world.bodies[1]); };
+  world.events.push_back({wire::EventKind::Goal, 3, 9, ""});
+  world.events.push_back({wire::EventKind::Crown, 4, 9, ""});
+  EXPECT_EQ(world.Resume(0.1), Script::Result::kFinished) << world.error;
+  EXPECT_EQ(world.printed,
+            "nil\n"
+            "goals\tgolden\t2\t3\t31\t5\t2\t2\n"
+            "3\t0\t9\t4.0\t8\n"
+            "8\tAda\t3\t1\t1\tfalse\n"
+            "7\tnil\t2\t0\t2\ttrue\n"
+            "goal\ttrue\ncrown\tfalse\n");
+}
+
 TEST(BotScriptWorld, EventsAreHandedOutOnce) {
   World world(R"(function run(bot)
     for i = 1, 2 do

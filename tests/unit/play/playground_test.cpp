@@ -99,7 +99,8 @@ TEST_P(PlaygroundOf, GoesOnFromAState) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Shipped, PlaygroundOf, testing::Values("arena", "curtain", "sandbox", "sumo", "wind"),
+INSTANTIATE_TEST_SUITE_P(Shipped, PlaygroundOf,
+                         testing::Values("arena", "curtain", "sandbox", "sumo", "goals", "crown", "wind"),
                          [](const auto& scene) { return scene.param; });
 
 TEST(Playground, BeginsAnewWhole) {

@@ -5,25 +5,34 @@
 namespace wobble::server {
 namespace {
 
-Sumo MakeGame(int pointsToWin = 3, double roundSeconds = 60) {
+// A match with the rules of sumo.
+struct SumoMatch : Match {
+  using Match::Match;
+  Sumo sumo;
+
+  void NoteTouch(ClientId a, ClientId b) { sumo.NoteTouch(*this, a, b); }
+  ClientId NoteFall(ClientId fallen) { return sumo.NoteFall(*this, fallen); }
+};
+
+SumoMatch MakeGame(int pointsToWin = 3, double roundSeconds = 60) {
   scenes::GameRules rules;
   rules.kind = scenes::GameRules::Kind::kSumo;
   rules.pointsToWin = pointsToWin;
   rules.roundSeconds = roundSeconds;
-  Sumo game(rules);
-  for (const ClientId client : {1U, 2U, 3U}) game.Enter(client);
+  SumoMatch game(rules);
+  for (const ClientId client : {1U, 2U, 3U}) game.Enter(client, false);
   return game;
 }
 
-int PointsOf(const Sumo& game, ClientId client) {
-  for (const Sumo::Standing& each : game.Standings()) {
+int PointsOf(const Match& game, ClientId client) {
+  for (const Match::Standing& each : game.Standings()) {
     if (each.client == client) return each.points;
   }
   return -1;
 }
 
 TEST(Sumo, AFallScoresForWhoTouchedLast) {
-  Sumo game = MakeGame();
+  SumoMatch game = MakeGame();
   game.NoteTouch(1, 2);
   game.Advance(1);
   game.NoteTouch(3, 2);
@@ -36,7 +45,7 @@ TEST(Sumo, AFallScoresForWhoTouchedLast) {
 }
 
 TEST(Sumo, AFallScoresOnceAndNotForATouchLongAgo) {
-  Sumo game = MakeGame();
+  SumoMatch game = MakeGame();
   EXPECT_EQ(game.NoteFall(2), 0U) << "nobody has touched him";
   game.NoteTouch(1, 2);
   EXPECT_EQ(game.NoteFall(2), 1U);
@@ -48,7 +57,7 @@ TEST(Sumo, AFallScoresOnceAndNotForATouchLongAgo) {
 }
 
 TEST(Sumo, WhoHasLeftNeitherScoresNorIsBlamed) {
-  Sumo game = MakeGame();
+  SumoMatch game = MakeGame();
   game.NoteTouch(1, 2);
   game.Leave(1);
   EXPECT_EQ(game.NoteFall(2), 0U);
@@ -57,18 +66,18 @@ TEST(Sumo, WhoHasLeftNeitherScoresNorIsBlamed) {
 }
 
 TEST(Sumo, EnoughPointsEndTheRoundAndTheNextBeginsAtNothing) {
-  Sumo game = MakeGame(2);
+  SumoMatch game = MakeGame(2);
   for (int i = 0; i < 2; ++i) {
-    EXPECT_EQ(game.ReadPhase(), Sumo::Phase::kPlaying);
+    EXPECT_EQ(game.ReadPhase(), Match::Phase::kPlaying);
     game.NoteTouch(1, 2);
     EXPECT_EQ(game.NoteFall(2), 1U);
   }
-  EXPECT_EQ(game.ReadPhase(), Sumo::Phase::kWon);
+  EXPECT_EQ(game.ReadPhase(), Match::Phase::kWon);
   EXPECT_EQ(game.Winner(), 1U);
   game.NoteTouch(3, 2);
   EXPECT_EQ(game.NoteFall(2), 0U) << "between rounds nothing counts";
   game.Advance(20);
-  EXPECT_EQ(game.ReadPhase(), Sumo::Phase::kPlaying);
+  EXPECT_EQ(game.ReadPhase(), Match::Phase::kPlaying);
   EXPECT_EQ(game.Round(), 2);
   EXPECT_EQ(PointsOf(game, 1), 0);
   EXPECT_EQ(game.Standings()[0].client, 1U);
@@ -76,23 +85,23 @@ TEST(Sumo, EnoughPointsEndTheRoundAndTheNextBeginsAtNothing) {
 }
 
 TEST(Sumo, WhenTheTimeIsUpMostPointsWinAndEqualOnesDraw) {
-  Sumo game = MakeGame(5, 30);
+  SumoMatch game = MakeGame(5, 30);
   game.NoteTouch(1, 2);
   game.NoteFall(2);
   for (int i = 0; i < 31; ++i) game.Advance(1);
   EXPECT_EQ(game.Winner(), 1U);
-  Sumo draw = MakeGame(5, 30);
+  SumoMatch draw = MakeGame(5, 30);
   for (int i = 0; i < 31; ++i) draw.Advance(1);
-  EXPECT_EQ(draw.ReadPhase(), Sumo::Phase::kWon);
+  EXPECT_EQ(draw.ReadPhase(), Match::Phase::kWon);
   EXPECT_EQ(draw.Winner(), 0U);
 }
 
 TEST(Sumo, AloneTheTimeStandsStill) {
-  Sumo game = MakeGame();
+  SumoMatch game = MakeGame();
   game.Leave(2);
   game.Leave(3);
   for (int i = 0; i < 200; ++i) game.Advance(1);
-  EXPECT_EQ(game.ReadPhase(), Sumo::Phase::kPlaying);
+  EXPECT_EQ(game.ReadPhase(), Match::Phase::kPlaying);
   EXPECT_EQ(game.SecondsLeft(), 60);
 }
 

@@ -88,7 +88,11 @@ TEST(Messages, WhatTheServerTellsOutOfRange) {
   EXPECT_EQ(ParseAs('s', MakeTuning({.stiffness = 0})), ParseResult::kOutOfRange);
   EXPECT_EQ(ParseAs('s', MakeTuning({.timeRate = 1.5F})), ParseResult::kOutOfRange);
   EXPECT_EQ(ParseAs('s', MakeTuning({.may = 8})), ParseResult::kOutOfRange);
-  EXPECT_EQ(ParseAs('s', MakeScoreboard({.phase = static_cast<wire::GamePhase>(2)})), ParseResult::kOutOfRange);
+  EXPECT_EQ(ParseAs('s', MakeScoreboard({.phase = static_cast<wire::GamePhase>(6)})), ParseResult::kOutOfRange);
+  EXPECT_EQ(ParseAs('s', MakeScoreboard({.winningSide = 3})), ParseResult::kOutOfRange);
+  EXPECT_EQ(ParseAs('s', MakeScoreboard({.sides = {{1, 0}}})), ParseResult::kOutOfRange) << "one side";
+  EXPECT_EQ(ParseAs('s', MakeScoreboard({.scores = {{7, 3, 1}}, .seats = {{3, true, false}}})),
+            ParseResult::kOutOfRange);
   EXPECT_EQ(ParseAs('s', MakeForces(1, 2, 0, {})), ParseResult::kOutOfRange) << "no stride";
   flatbuffers::FlatBufferBuilder builder;
   const auto values = builder.CreateVector(std::vector<std::int8_t>(4, 1));

@@ -66,6 +66,7 @@ std::vector<Kind> MakeEveryKind() {
                                        {wire::ForceKind::Weight, {{}, {}}}};
   return {
       {"hello", 'c', MakeHello("Ada", wire::Role::Player)},
+      {"hello of a bot", 'c', MakeHello("bot 1", wire::Role::Player, {}, kProtocolVersion, kSchemaHash, true)},
       {"hello with kept blueprints", 'c', MakeHello("Ada", wire::Role::Player, kept)},
       {"input", 'c', MakeInput({.frames = frames, .ackedSequence = 77, .ackedHistory = 0xF0F0F0F0F0F0F0F0U})},
       {"input with a hand", 'c',
@@ -91,6 +92,15 @@ std::vector<Kind> MakeEveryKind() {
       {"forces", 's', MakeForces(3, 1001, 1, forces)},
       {"scoreboard", 's',
        MakeScoreboard({.round = 2, .secondsLeft = 61, .winner = 7, .scores = {{7, 3, 1}, {8, 0, 0}}})},
+      {"scoreboard of sides", 's',
+       MakeScoreboard({.phase = wire::GamePhase::Over,
+                       .scores = {{7, 3, 1}, {8, 0, 0}},
+                       .rounds = 3,
+                       .seats = {{1, true, false}, {2, true, true}},
+                       .sides = {{3, 1}, {0, 0}},
+                       .winningSide = 1,
+                       .object = 9,
+                       .bearer = 8})},
       {"notice", 's', MakeNotice("the spring would be too stiff")},
       {"next scene", 's', MakeNextScene("sumo")},
       {"server goodbye", 's', MakeServerGoodbye(wire::GoodbyeReason::BadMessages, "20 in a second")},

@@ -132,6 +132,12 @@ inline void Read(const wire::ServerMessage& message) {
   } else if (const auto* board = message.body_as_Scoreboard()) {
     EXPECT_LE(board->phase(), wire::GamePhase::MAX);
     for (const wire::Score* score : *board->scores()) Touch(score->points());
+    if (board->seats() != nullptr) {
+      EXPECT_EQ(board->seats()->size(), board->scores()->size());
+      for (const wire::Seat* seat : *board->seats()) EXPECT_LE(seat->side(), kSides);
+    }
+    if (board->sides() != nullptr) EXPECT_EQ(board->sides()->size(), kSides);
+    EXPECT_LE(board->winning_side(), kSides);
   } else if (const auto* notice = message.body_as_Notice()) {
     EXPECT_LE(notice->text()->size(), kMaxNoticeBytes);
     Touch(*notice->text());

@@ -58,7 +58,7 @@ TEST_P(RecordedScene, PlaysTheSameAgain) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Shipped, RecordedScene, testing::Values("curtain", "sandbox", "sumo"),
+INSTANTIATE_TEST_SUITE_P(Shipped, RecordedScene, testing::Values("curtain", "sandbox", "sumo", "crown"),
                          [](const auto& scene) { return scene.param; });
 
 TEST(Recording, AProofThatIsBrokenOffSaysSo) {

@@ -22,9 +22,9 @@ using testing::StartsWith;
 const std::filesystem::path kFolder = test::FindSource("server/scenes");
 
 const std::vector<std::string> kShipped{
-    "arena",   "backtracking", "ball_drop",   "breathing", "bubble",   "cards",    "cloth", "crowd",
-    "curtain", "drop2d",       "jelly_stack", "lattice",   "magnetic", "mesh_zoo", "pair",  "perturbation",
-    "pitch",   "sandbox",      "scrum",       "solids",    "sumo",     "tension",  "wind"};
+    "arena",   "backtracking", "ball_drop", "breathing",   "bubble",  "cards",    "cloth",    "crowd", "crown",
+    "curtain", "drop2d",       "goals",     "jelly_stack", "lattice", "magnetic", "mesh_zoo", "pair",  "perturbation",
+    "pitch",   "sandbox",      "scrum",     "solids",      "sumo",    "tension",  "wind"};
 
 #ifdef WOBBLE_SANITIZED
 constexpr int kTicks = 30;  // 34 times slower there

@@ -1,5 +1,5 @@
 // The name of the scene and of its players. The player's own name comes first and can be edited.
-import { MakeOwnColour, MakePlayerColour } from '../scene/colours';
+import { MakeBodyColour, MakeOwnColour } from '../scene/colours';
 import type { Welcome } from 'wobble-client';
 import type { Player, Players } from '../players';
 import { MakeButton, MakeElement, SetPressed, SetText } from './element';
@@ -16,6 +16,7 @@ export class People {
   private readonly m_about = MakeElement('div', 'note about');
   private readonly m_list = MakeElement('ul');
   private readonly m_name = MakeElement('input', 'name-field');
+  private readonly m_dot = MakeDot(`#${MakeOwnColour().getHexString()}`);
   private m_revision = -1;
 
   // Both are shown at the top. menu: of the worlds.
@@ -34,7 +35,7 @@ export class People {
       if (event.key === 'Enter' || event.key === 'Escape') this.m_name.blur();
     });
     const own = MakeElement('li');
-    own.append(MakeDot(`#${MakeOwnColour().getHexString()}`), this.m_name);
+    own.append(this.m_dot, this.m_name);
     this.element.append(invite, menu, title, this.m_about, own, this.m_list);
   }
 
@@ -48,12 +49,13 @@ export class People {
     if (this.m_about.title !== description) this.m_about.title = this.m_about.textContent = description;
     if (this.m_revision === players.revision) return;
     this.m_revision = players.revision;
+    this.m_dot.style.setProperty('--player', `#${MakeBodyColour(players, players.ownBody).getHexString()}`);
     const others = [...players.all.values()].filter((player) => player.clientId !== players.ownClient);
     SetText(this.m_count, Describe(others.length, players.ownBody !== 0));
     this.m_list.replaceChildren();
     for (const player of others.slice(0, kMostShown)) {
       const item = MakeElement('li');
-      const colour = player.body === 0 ? 'transparent' : `#${MakePlayerColour(player.body).getHexString()}`;
+      const colour = player.body === 0 ? 'transparent' : `#${MakeBodyColour(players, player.body).getHexString()}`;
       item.append(MakeDot(colour), this.MakeName(player, players));
       this.m_list.append(item);
     }

@@ -20,6 +20,7 @@ import {
 import { RoundedBoxGeometry } from 'three/examples/jsm/geometries/RoundedBoxGeometry.js';
 import { ObstacleKind, type Ground, type Obstacle, type Vector } from 'wobble-client';
 import { MakeGroundMaterial } from './ground_material';
+import { MakeSideColour } from './colours';
 import { Clip, MakeSquare, type HalfSpace } from './polygon';
 
 const kFloorRadius = 320; // m
@@ -53,11 +54,15 @@ export class Arena {
   private readonly m_floor = MakeGroundMaterial('#e9e2d2');
   private readonly m_block = MakeGroundMaterial('#8ccdc4');
   private readonly m_round = MakeGroundMaterial('#e8b68a');
+  private readonly m_posts = [1, 2].map((side) => MakeGroundMaterial(`#${MakeSideColour(side).getHexString()}`));
   private readonly m_hill = MakeGroundMaterial('#ffffff', true);
 
-  // Replaces the previous scene.
-  Build(obstacles: Obstacle[], grounds: Ground[]): void {
+  private m_hasGoals = false;
+
+  // Replaces the previous scene. game: its name; in goals, posts have the colour of the side whose goal it is.
+  Build(obstacles: Obstacle[], grounds: Ground[], game: string): void {
     this.Clear();
+    this.m_hasGoals = game === 'goals';
     const planes = obstacles.filter((each) => each.kind === ObstacleKind.Plane).map(MakeHalfSpace);
     for (const plane of planes) this.AddPlane(plane, planes);
     for (const obstacle of obstacles) this.AddObstacle(obstacle);
@@ -82,11 +87,15 @@ export class Arena {
     } else if (obstacle.kind === ObstacleKind.Capsule) {
       const from = MakeVector(a);
       const to = MakeVector(b);
-      const mesh = this.AddSolid(new CapsuleGeometry(radius, from.distanceTo(to), 12, 32), this.m_round);
+      const mesh = this.AddSolid(new CapsuleGeometry(radius, from.distanceTo(to), 12, 32), this.FindPostMaterial(a));
       mesh.position.addVectors(from, to).multiplyScalar(0.5);
       const along = to.sub(from).normalize();
       if (along.lengthSq() > 0) mesh.quaternion.copy(new Quaternion().setFromUnitVectors(new Vector3(0, 1, 0), along));
     }
+  }
+
+  private FindPostMaterial(place: Vector): Material {
+    return this.m_hasGoals ? this.m_posts[place.x < 0 ? 0 : 1] : this.m_round;
   }
 
   private AddPlane(plane: HalfSpace, planes: HalfSpace[]): void {

@@ -3,7 +3,7 @@ import { Group } from 'three';
 import type { Blueprint, Body, Client } from 'wobble-client';
 import type { Players } from '../players';
 import { BodyShape } from './body_shape';
-import { MakeOwnColour, MakePlayerColour, MakeSceneColour } from './colours';
+import { MakeBodyColour } from './colours';
 import { Springs } from './springs';
 
 const kMostFine = 250; // number of bodies up to which surfaces are refined
@@ -72,10 +72,7 @@ export class Bodies {
   }
 
   private Dress(body: number, shape: BodyShape): void {
-    const isPlayer = this.m_players.IsPlayer(body);
-    const colour =
-      body === this.m_players.ownBody ? MakeOwnColour() : isPlayer ? MakePlayerColour(body) : MakeSceneColour(body);
-    shape.Dress(isPlayer, colour);
+    shape.Dress(this.m_players.IsPlayer(body), MakeBodyColour(this.m_players, body));
   }
 
   private Remove(number: number, shape: BodyShape): void {

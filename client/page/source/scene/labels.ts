@@ -2,7 +2,7 @@
 import { Vector3, type PerspectiveCamera } from 'three';
 import type { Client } from 'wobble-client';
 import type { Players } from '../players';
-import { MakePlayerColour } from './colours';
+import { MakeBodyColour } from './colours';
 
 const kFarAway = 45; // m; names farther away are hidden
 const kAbove = 1.75; // height of the name above the body, in body sizes
@@ -36,7 +36,7 @@ export class Labels {
       const distance = place.distanceTo(camera.position);
       place.project(camera);
       if (place.z > 1 || Math.abs(place.x) > 1.1 || Math.abs(place.y) > 1.1 || distance > kFarAway) continue;
-      const label = this.FindLabel(player.body, player.name);
+      const label = this.FindLabel(player.body, player.name, players);
       label.round = this.m_round;
       const x = (0.5 + 0.5 * place.x) * width;
       const y = (0.5 - 0.5 * place.y) * height;
@@ -54,13 +54,13 @@ export class Labels {
     this.m_labels.clear();
   }
 
-  private FindLabel(body: number, name: string): Label {
+  private FindLabel(body: number, name: string, players: Players): Label {
     let label = this.m_labels.get(body);
     if (label === undefined) {
       const element = document.createElement('div');
       element.className = 'name-label';
       element.textContent = name;
-      element.style.setProperty('--player', `#${MakePlayerColour(body).getHexString()}`);
+      element.style.setProperty('--player', `#${MakeBodyColour(players, body).getHexString()}`);
       this.m_parent.append(element);
       label = { element, round: 0 };
       this.m_labels.set(body, label);
