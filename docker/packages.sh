@@ -24,11 +24,12 @@ packages_of() {
             libavahi-client3 libavahi-common3 libavahi-core7 libprometheus-cpp-core1.0 libqrencode4 libspdlog1.10 libssl3
             libtbb12 libtomlplusplus3" ;;
     test) # the test runner, a second compiler whose results must have the same bits, a browser, promtool, what the
-         # example in C draws with, what compares binary interfaces, what plays the engines' examples, and an
-         # older processor
+         # example in C draws with, what compares binary interfaces, what plays the engines' examples, an
+         # older processor and 64-bit ARM, and what clang compiles and links for that with
       echo "libgtest-dev libgmock-dev clang-19 libclang-rt-19-dev llvm clang-format chromium prometheus avahi-daemon curl
             iproute2 openssl pkg-config mmdebstrap dpkg-dev file python3 python3-numpy python3-yaml
-            libsdl2-dev abigail-tools godot3-server mono-mcs mono-runtime qemu-user" ;;
+            libsdl2-dev abigail-tools godot3-server mono-mcs mono-runtime qemu-user
+            libstdc++-12-dev-arm64-cross binutils-aarch64-linux-gnu" ;;
     web) # builds the page; a server, and a gateway without a page, do not need it
       echo "emscripten nodejs npm" ;;
     python) # builds the Python module, and runs its examples and tests

@@ -12,6 +12,7 @@
 #include <iterator>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "protocol/codec/basis_reader.h"
@@ -19,6 +20,7 @@
 #include "protocol/codec/shape_codec.h"
 #include "protocol/limits.h"
 #include "protocol/messages.h"
+#include "protocol/snapshot.h"
 #include "server/physics/shapes/ball.h"
 #include "server/physics/shapes/cloth.h"
 #include "server/physics/shapes/finish_blueprint.h"
@@ -30,19 +32,27 @@ namespace {
 using namespace wobble;
 using physics::Vector3d;
 
-constexpr int kTicks = 12;
+constexpr int kTicks = 6;
 
 physics::Blueprint MakeSmallBall(physics::Integrator integrator) {
-  physics::Blueprint ball = physics::MakeBall({.subdivisions = 1});
+  physics::BallDefinition definition;
+  definition.subdivisions = 0;
+  physics::Blueprint ball = physics::MakeBall(definition);
   physics::SetIntegrator(ball, integrator);
   return ball;
 }
 
 physics::Blueprint MakeCurtain() {
   physics::ClothDefinition definition;
-  definition.points = {7, 6};
+  definition.points = {4, 3};
   definition.pinned = physics::Pinned::kCorners;
   return physics::MakeCloth(definition);
+}
+
+physics::Blueprint MakeBlock() {
+  physics::SolidDefinition definition;
+  definition.cells = {1, 1, 1};
+  return physics::MakeSolid(definition);
 }
 
 // Bodies of one blueprint that fall onto the ground, and onto one another where they are closer than a metre.
@@ -119,7 +129,7 @@ std::string ListHashes() {
       {"balls_in_a_heap", Play(ball, 9, 0.9, 16)},
       {"balls_semi_implicit", Play(MakeSmallBall(Integrator::kSemiImplicitEuler), 5, 0.9, 16)},
       {"curtains", Play(MakeCurtain(), 3, 0.3, 16)},
-      {"solids", Play(physics::MakeSolid({}), 2, 0.9, 16)},
+      {"solids", Play(MakeBlock(), 2, 0.9, 16)},
       {"codec_full", Code(protocol::BasisSource::Kind::kFull)},
       {"codec_scalar", Code(protocol::BasisSource::Kind::kScalar)},
       {"codec_cosine", Code(protocol::BasisSource::Kind::kCosine)},

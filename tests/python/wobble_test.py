@@ -261,8 +261,11 @@ class Clients(unittest.TestCase):
                     self.assertEqual((client.hands, client.reach), (["grab", "cut", "push"], 0))
                     self.assertTrue(0 < client.pace <= 1)  # of a busy machine less than 1
                     (hill,), (plane,) = client.grounds, client.obstacles
-                    self.assertEqual((hill.corner.tolist(), hill.cell_size), ([100, 50], 2))
-                    np.testing.assert_allclose(hill.heights, [[1, 2, 3], [4, 5, 6]], atol=1e-3)
+                    self.assertEqual(hill.corner.tolist(), [100, 50])
+                    extent = hill.cell_size * (np.array(hill.heights.shape) - 1)  # the server cuts cells finer
+                    np.testing.assert_allclose(extent, [2, 4])
+                    corners = hill.heights[[0, 0, -1, -1], [0, -1, 0, -1]]
+                    np.testing.assert_allclose(corners, [1, 3, 4, 6], atol=1e-3)
                     self.assertEqual((plane.kind, plane.a.tolist(), plane.b[0]), ("plane", [0, 0, 1], 0))
                 self.assertEqual(client.state, "ended")
             finally:
