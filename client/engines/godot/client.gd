@@ -12,7 +12,7 @@ enum { JOINING, PLAYING, ENDED }  # states
 enum { JUMP = 1, PUFF = 2, STIFFEN = 4 }  # buttons
 
 # The first 8 bytes of the SHA-256 of protocol/messages.fbs: another one has another hash, and the server says so.
-const SCHEMA_HASH = 0xddbfe6b1 << 32 | 0xe8bb06e1
+const SCHEMA_HASH = 0x61561083 << 32 | 0x745c6920
 const SILENCE = 8.0  # s without a message, after which the other end is gone
 const DELAY = 0.1  # s of the world by which bodies are shown late, so that a pose after that moment is mostly there
 const MOST_NAME = 32  # bytes
