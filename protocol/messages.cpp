@@ -98,11 +98,10 @@ Message MakeWelcome(const WelcomeFields& fields) {
   const auto heightFields = builder.CreateVectorOfStructs(fields.heightFields);
   const auto game = builder.CreateString(fields.game);
   return FinishServerMessage(
-      builder,
-      wire::CreateWelcome(builder, fields.clientId, fields.ownBody, fields.tick, fields.tickHz, fields.snapshotHz,
-                          scene, fields.blueprintCount, obstacles, heightFields, fields.hands, fields.reach, game,
-                          fields.workshop, fields.ownBlueprint, fields.rank,
-                          fields.drive.speed() > 0 ? &fields.drive : nullptr));
+      builder, wire::CreateWelcome(builder, fields.clientId, fields.ownBody, fields.tick, fields.tickHz,
+                                   fields.snapshotHz, scene, fields.blueprintCount, obstacles, heightFields,
+                                   fields.hands, fields.reach, game, fields.workshop, fields.ownBlueprint, fields.rank,
+                                   fields.drive.speed() > 0 ? &fields.drive : nullptr));
 }
 
 Message MakeBlueprintChunk(std::uint8_t blueprint, std::uint64_t hash, std::uint32_t total, std::uint32_t offset,
