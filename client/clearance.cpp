@@ -67,8 +67,8 @@ Vector3 ToVector(const wire::Vec3& v) { return {v.x(), v.y(), v.z()}; }
 [[gnu::noinline]] Nearness FindNearness(const Ground& ground, Vector3 place) {
   const float x = (place.x - ground.corner.x) / ground.cellSize;
   const float y = (place.y - ground.corner.y) / ground.cellSize;
-  const bool isOver = x >= 0 && y >= 0 && x < static_cast<float>(ground.columns - 1) &&
-                      y < static_cast<float>(ground.rows - 1);
+  const bool isOver =
+      x >= 0 && y >= 0 && x < static_cast<float>(ground.columns - 1) && y < static_cast<float>(ground.rows - 1);
   if (!isOver) return {kFar, {0, 0, 1}};
   const int column = static_cast<int>(x), row = static_cast<int>(y);
   const float u = x - static_cast<float>(column), v = y - static_cast<float>(row);
@@ -100,8 +100,8 @@ Vector3 ClearLead(const Surroundings& surroundings, Vector3 place, Vector3 lead)
   for (const BodySample& other : surroundings.bodies) {
     if (other.body == surroundings.own) continue;
     const Vector3 offset = place - other.pose.centroid;
-    PushOut(FindRound(offset, 0), FindRound(offset + lead, 0),
-            kMeeting * (surroundings.size + other.blueprint->size), lead);
+    PushOut(FindRound(offset, 0), FindRound(offset + lead, 0), kMeeting * (surroundings.size + other.blueprint->size),
+            lead);
   }
   const auto clear = [&](const auto& solid) {
     PushOut(FindNearness(solid, place), FindNearness(solid, place + lead), surroundings.size, lead);

@@ -1,3 +1,13 @@
+// The lead grows by the velocity that inputs will have given the body by the time that the newest of them acts, less
+// the one that its records show, and falls back to 0 in kLeadBlend. So it is continuous whatever the records do,
+// follows every input at once, and leaves a body alone that no input accelerates.
+//
+// To show the body where it will be, at the records' velocity times the delay and so a diameter ahead at full speed,
+// was measured in arena with six bots: its place was then right to 12 % of the radius in half of the frames, but to 100
+// % in a tenth of them, because whatever it meets is known a delay later. What was shown jumped by up to a quarter of
+// the radius in one frame of a hundred (records: a twentieth), and where it met a body it stood inside or before it
+// until the records came. Turning the shape as well was not tried: it is flat where the record's body lies on the
+// ground.
 #include "client/own_body.h"
 
 #include <algorithm>
@@ -15,8 +25,8 @@ constexpr float kSpeedBand = 0.25F;
 constexpr double kStep = 1.0 / 60;
 // A ball that rolls turns two fifths of what pushes it into its spin (a hollow sphere).
 constexpr float kRollingGrip = 0.6F;
-// For so long a body that answers to pushes otherwise is taken to go on so, s; and full pushes of this length, s, are what
-// the assumption about it is worth.
+// For so long a body that answers to pushes otherwise is taken to go on so, s; and full pushes of this length, s, are
+// what the assumption about it is worth.
 constexpr float kGripMemory = 0.4F;
 constexpr float kGripTrust = 0.02F;
 constexpr float kMostGrip = 1.2F;
@@ -36,6 +46,7 @@ constexpr double kLongestFrame = 0.25;
 constexpr double kSpan = 1.0 / 30;
 // A body that falls by more than this share of gravity is borne by nothing.
 constexpr float kFalling = 0.5F;
+constexpr float kLeastGravity = -1;
 
 }  // namespace
 
@@ -77,6 +88,7 @@ Lead FollowInputs(const wire::Drive& drive, std::span<const Pressed> inputs, dou
 }
 
 bool IsBorne(const Track& track, float gravity) {
+  if (!(gravity < kLeastGravity)) return false;  // it cannot be told
   if (track.Newest().atRest) return true;
   const double newest = track.Newest().time;
   const auto find = [&](double before) { return track.FindCentroid(newest - before).z; };
@@ -101,7 +113,8 @@ void OwnBody::Forget() {
 }
 
 void OwnBody::NoteInput(const wire::Drive& drive, const Input& input, double now, bool isBorne) {
-  const Vector3 asked = Vector3{static_cast<float>(RoundAxis(input.moveX)), static_cast<float>(RoundAxis(input.moveY)), 0} * (1.0F / 127);
+  const Vector3 asked =
+      Vector3{static_cast<float>(RoundAxis(input.moveX)), static_cast<float>(RoundAxis(input.moveY)), 0} * (1.0F / 127);
   const Vector3 move = asked * (1 / std::max(1.0F, protocol::Length(asked)));
   Pressed pressed{.from = now, .moveX = move.x, .moveY = move.y};
   pressed.jumps = input.jump && !m_jumpHeld && isBorne && drive.jump_speed() > 0;
@@ -145,7 +158,8 @@ float OwnBody::FindGrip(const wire::Drive& drive, bool isBorne) const {
 Vector3 OwnBody::Follow(const wire::Drive& drive, const Base& base, double now, float gravity) {
   const double passed = now - m_now;
   const auto shown = static_cast<float>(base.time - m_base.time);
-  const bool isCut = protocol::Length(base.centroid - m_base.centroid) > kBelievedSpeed * std::max(shown, 0.0F) + kBelievedStep;
+  const bool isCut =
+      protocol::Length(base.centroid - m_base.centroid) > kBelievedSpeed * std::max(shown, 0.0F) + kBelievedStep;
   const bool follows = m_follows && passed < kLongestFrame && !isCut;
   if (follows && shown > 0) NoteAnswer(drive, base);
   m_now = std::max(now, m_now);

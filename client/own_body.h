@@ -1,9 +1,9 @@
 // The player's own body, shown ahead of the others by what inputs will do that no shown record has in it yet.
 //
 // Bodies are shown as they were some two tenths of a second before an input of now can act: a round trip, and the delay
-// at which records are interpolated. The others stay there. The own body is moved by a lead: how much further it will
-// be when the input of now acts, by the acceleration that the server gives it for its inputs. Its shape and rotation
-// stay those of the record, so that it is flat where it lay on the ground.
+// at which records are interpolated. The own body is moved by a lead: what its inputs of that time will do to its
+// velocity, by the acceleration that the server gives it for them. Its shape and rotation stay those of the record, so
+// that it is flat where it lies on the ground. Puffing up and stiffening change the shape, and are not led.
 //
 // All times are world time, seconds, and all lengths metres.
 #pragma once
@@ -21,7 +21,7 @@ namespace wobble::client {
 
 // The longest time for which inputs lead the body: over a link that takes longer the newest of them do.
 inline constexpr double kLongestLead = 0.4;
-// A deviation of the shown lead from the computed one falls to a third in this time.
+// A lead that no input renews falls to a third in this time.
 inline constexpr float kLeadBlend = 0.25F;
 
 // What the player has asked for from a moment on.
@@ -40,8 +40,8 @@ struct Lead {
   protocol::Vector3 velocity;  // at the end
 };
 // What a body does from one moment to another that begins at this velocity and is moved by these inputs, ascending, and
-// nothing else. grip: share of the push that arrives, see OwnBody::Base. Upright it moves by jumps alone; gravity: m/s²,
-// upright, brings it down again.
+// nothing else. grip: share of the push that arrives, see OwnBody::Base. Upright it moves by jumps alone; gravity:
+// m/s², upright, brings it down again.
 [[nodiscard]] Lead FollowInputs(const wire::Drive& drive, std::span<const Pressed> inputs, double from, double to,
                                 protocol::Vector3 velocity, float grip, float gravity);
 
@@ -84,11 +84,11 @@ class OwnBody {
   std::array<Pressed, kRemembered> m_inputs{};  // the first m_count, ascending
   std::size_t m_count = 0;
   bool m_jumpHeld = false;
-  double m_lag = -1;      // unknown
+  double m_lag = -1;  // unknown
   bool m_follows = false;
-  double m_now = 0;   // of the lead
-  float m_step = 0;   // of the last Follow
-  Base m_base;        // and what it leads
+  double m_now = 0;      // of the lead
+  float m_step = 0;      // of the last Follow
+  Base m_base;           // and what it leads
   float m_answered = 0;  // recent pushes, (m/s²)² s, by how much of them the body's motion shows
   float m_pushed = 0;
   protocol::Vector3 m_lead;

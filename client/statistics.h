@@ -26,7 +26,7 @@ struct Statistics {
   double snapshotAge = 0;       // SnapshotArrival::age of the last packet
   double snapshotInterval = 0;  // smoothed time between the ticks that arrive
   double inputToSnapshot = 0;   // last measured SnapshotArrival::inputToSnapshot
-  double inputLag = 0;         // smoothed time of the world from an input to the tick that uses it, by estimate
+  double inputLag = 0;          // smoothed time of the world from an input to the tick that uses it, by estimate
   double timeRatio = 1;         // world time per wall time, as the server last published it
   double lossShare = 0;         // share of the last 64 snapshot packets that is missing
 };

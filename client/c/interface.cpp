@@ -78,7 +78,8 @@ bool ReadAccess(const wobble_connect_options& given, transport::ConnectOptions& 
 }
 
 wobble_result Connect(const wobble_connect_options& given, double now, wobble_client*& made) {
-  if ((given.flags & ~std::uint32_t{WOBBLE_SPECTATE | WOBBLE_NO_REJOIN | WOBBLE_NO_PREDICTION}) != 0) return WOBBLE_BAD_FLAGS;
+  if ((given.flags & ~std::uint32_t{WOBBLE_SPECTATE | WOBBLE_NO_REJOIN | WOBBLE_NO_PREDICTION}) != 0)
+    return WOBBLE_BAD_FLAGS;
   if (!IsTime(now)) return WOBBLE_BAD_TIME;
   if (given.address == nullptr) return WOBBLE_NULL;
   PlayerOptions options;

@@ -46,6 +46,8 @@ public static class WobbleNative
         public int changed, held, open;
         public float age, x, y, z, rotationW, rotationX, rotationY, rotationZ;
         public IntPtr blueprint, positions, normals, faces, edges;
+        public float leadX, leadY, leadZ;
+        public uint reserved;
     }
 
     [StructLayout(LayoutKind.Sequential)]

@@ -30,12 +30,12 @@ TEST(WrongCalls, ToConnectAreRefused) {
   };
   const std::vector<Case> cases{
       {WOBBLE_OK, [](Options&) {}},
-      {WOBBLE_OK, [&](Options& o) { o.flags = 3, o.name = "Ada", o.password = "x", o.server_key = key.c_str(); }},
+      {WOBBLE_OK, [&](Options& o) { o.flags = 7, o.name = "Ada", o.password = "x", o.server_key = key.c_str(); }},
       {WOBBLE_OK, [](Options& o) { o.token = "QUJD"; }},
       {WOBBLE_OK, [](Options& o) { o.invite = "QUJD"; }},
       {WOBBLE_BAD_SIZE, [](Options& o) { o.struct_size = 0; }},
       {WOBBLE_BAD_SIZE, [](Options& o) { o.struct_size = sizeof o - 1; }},
-      {WOBBLE_BAD_FLAGS, [](Options& o) { o.flags = 4; }},
+      {WOBBLE_BAD_FLAGS, [](Options& o) { o.flags = 8; }},
       {WOBBLE_BAD_FLAGS, [](Options& o) { o.flags = ~0U; }},
       {WOBBLE_NULL, [](Options& o) { o.address = nullptr; }},
       {WOBBLE_BAD_ADDRESS, [](Options& o) { o.address = ""; }},

@@ -61,7 +61,8 @@ TEST(FollowInputs, AJumpIsAThrowFromItsMomentOn) {
   EXPECT_NEAR(lead.velocity.z, 6 - 9.81 * 0.2, 1e-4);
 }
 
-// A body of an own little server, which takes inputs kLag after they are given or refuses them; it is shown kDelay late.
+// A body of an own little server, which takes inputs kLag after they are given or refuses them; it is shown kDelay
+// late.
 class Stage {
  public:
   explicit Stage(double obeys) : m_obeys(obeys) { own.NoteLag(kLag); }

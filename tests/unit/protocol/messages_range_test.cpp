@@ -166,6 +166,10 @@ TEST(Messages, WelcomeOutOfRange) {
   EXPECT_EQ(parse([](Fields& f) { f.blueprintCount = 256; }), ParseResult::kOutOfRange);
   EXPECT_EQ(parse([](Fields& f) { f.hands = 16; }), ParseResult::kOutOfRange);
   EXPECT_EQ(parse([](Fields& f) { f.hands = 1, f.reach = -1; }), ParseResult::kOutOfRange);
+  EXPECT_EQ(parse([](Fields& f) { f.drive = {25, 6, 0}; }), ParseResult::kOk);
+  EXPECT_EQ(parse([](Fields& f) { f.drive = {-1, 6, 0}; }), ParseResult::kOutOfRange);
+  EXPECT_EQ(parse([](Fields& f) { f.drive = {25, 8193, 0}; }), ParseResult::kOutOfRange);
+  EXPECT_EQ(parse([](Fields& f) { f.drive = {25, 6, std::nanf("")}; }), ParseResult::kOutOfRange);
   const auto unknown = static_cast<wire::ObstacleKind>(4);
   EXPECT_EQ(parse([&](Fields& f) { f.obstacles = {{unknown, {}, {}, 1}}; }), ParseResult::kOutOfRange);
 }

@@ -52,8 +52,8 @@ class Walker {
 
 // What the player's server and screen have of the own body in one frame.
 struct Frame {
-  double shownAt = 0;    // world time of the records that are shown, s
-  double actsAt = 0;     // and of the moment from which an input of now acts
+  double shownAt = 0;  // world time of the records that are shown, s
+  double actsAt = 0;   // and of the moment from which an input of now acts
   physics::Vector3d shown;
   physics::Vector3d lead;
   bool isOwnJump = false;  // the player's own jump begins to be shown: it shall be one
@@ -149,8 +149,8 @@ struct Spread {
     return *place;
   }
   void Print(const char* name) {
-    std::printf("  %-34s %5zu frames, %% of the radius: p50 %6.2f p90 %6.2f p99 %6.2f\n", name, values.size(), Find(0.5),
-                Find(0.9), Find(0.99));
+    std::printf("  %-34s %5zu frames, %% of the radius: p50 %6.2f p90 %6.2f p99 %6.2f\n", name, values.size(),
+                Find(0.5), Find(0.9), Find(0.99));
   }
 };
 
@@ -184,8 +184,9 @@ TEST(OwnBody, AnswersWithinFiftyMillisecondsOverARoundTripOfAHundred) {
   EXPECT_GT(without, 0.15);
 }
 
-// The two figures that are printed for each phase: the jump of a frame, which is how far it is from where the two before
-// lead at constant velocity; and how far the shown place is from where the server has the body once the input of now acts.
+// The two figures that are printed for each phase: the jump of a frame, which is how far it is from where the two
+// before lead at constant velocity; and how far the shown place is from where the server has the body once the input of
+// now acts.
 TEST(OwnBody, InArenaWithSixBotsItsLeadAddsNoJumps) {
   Arena arena(true, 6);
   Walker walker(99);
@@ -208,7 +209,9 @@ TEST(OwnBody, InArenaWithSixBotsItsLeadAddsNoJumps) {
     if ((record(frame) - record(last)).norm() > 0.4 || frame.isOwnJump) continue;  // put back, or a jump that shall be
     const double percent = 100 / kRadius;
     const physics::Vector3d later = find(frame.actsAt);
-    for (const char* phase : {"all", touchesBody ? "touching others" : touchesGround ? "touching the ground" : "free"}) {
+    for (const char* phase : {"all", touchesBody     ? "touching others"
+                                     : touchesGround ? "touching the ground"
+                                                     : "free"}) {
       auto& spreads = phases[phase];
       spreads[0].values.push_back(percent * (frame.lead - 2 * last.lead + before.lead).norm());
       spreads[1].values.push_back(percent * (frame.shown - 2 * last.shown + before.shown).norm());
