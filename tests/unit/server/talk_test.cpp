@@ -27,6 +27,10 @@ struct Person {
     game.Run(0.5);
     EXPECT_EQ(client.ReadState(), client::State::kPlaying);
   }
+  ~Person() {  // the client outlives it
+    client.OnEvent({});
+    client.OnNotice({});
+  }
   Person(const Person&) = delete;
   Person& operator=(const Person&) = delete;
 
