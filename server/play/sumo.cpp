@@ -15,7 +15,7 @@ void Sumo::NoteTouch(const Match& match, ClientId a, ClientId b) {
 
 ClientId Sumo::NoteFall(Match& match, ClientId fallen) {
   const auto found = touches.find(fallen);
-  if (found == touches.end() || !match.IsCounting()) return 0;
+  if (found == touches.end() || match.Find(fallen) == nullptr || !match.IsCounting()) return 0;
   const Touch touch = found->second;
   touches.erase(found);
   if (match.Find(touch.by) == nullptr || match.Read().now - touch.at > kBlame) return 0;

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <memory>
 #include <vector>
 
 #include "server/play/playground.h"
@@ -22,7 +23,7 @@ Vector3d PlayerAt(const Playground& ground, ClientId client) {
 }
 Phase PhaseOf(const Playground& ground) { return ground.ReadGame()->ReadMatch().ReadPhase(); }
 
-void Run(Playground& ground, double seconds) {
+void PassTime(Playground& ground, double seconds) {
   for (int tick = 0; tick < 60 * seconds; ++tick) ground.Step();
 }
 
@@ -37,15 +38,16 @@ void Put(Playground& ground, physics::BodyId body, const Vector3d& centre) {
 }
 
 // A match of these people that has begun.
-Playground Begin(const std::string& scene, ClientId players) {
-  Playground ground(test::LoadShippedScene(scene), {});
+std::unique_ptr<Playground> Begin(const std::string& scene, ClientId players) {
+  auto begun = std::make_unique<Playground>(test::LoadShippedScene(scene), PlaygroundSettings{});
+  Playground& ground = *begun;
   for (ClientId client = 1; client <= players; ++client) {
     ground.Take(JoinEntry{client, false, "player"});
     ground.Take(ReadyEntry{client, true});
   }
-  Run(ground, 3.1);
+  PassTime(ground, 3.1);
   static_cast<void>(ground.TakeHappenings());
-  return ground;
+  return begun;
 }
 
 std::vector<Happening> Find(Playground& ground, Happening::Kind kind) {
@@ -59,7 +61,8 @@ void Grab(Playground& ground, ClientId client, physics::BodyId body, std::uint16
 }
 
 TEST(Games, SidesKickOffOnTheirHalvesAndAGoalPutsAllBack) {
-  Playground ground = Begin("goals", 4);
+  const auto begun = Begin("goals", 4);
+  Playground& ground = *begun;
   ASSERT_EQ(PhaseOf(ground), Phase::kPlaying);
   const physics::BodyId ball = ground.ReadGame()->Object();
   for (const ClientId client : {1U, 3U}) EXPECT_LT(PlayerAt(ground, client).x(), -3);
@@ -71,7 +74,7 @@ TEST(Games, SidesKickOffOnTheirHalvesAndAGoalPutsAllBack) {
   EXPECT_LT(CentreOf(ground, ball).x(), 0.1) << "too far away to push";
   Put(ground, ground.FindPlayer(3)->body, CentreOf(ground, ball) - Vector3d(1.6, 0, 0));
   EXPECT_EQ(ground.Take(ActEntry{.client = 3, .command = ShoveCommand{ball, 0, {1, 0, 0}}}), "");
-  Run(ground, 0.2);
+  PassTime(ground, 0.2);
   Put(ground, ball, {14.2, 0, 1.2});
   ground.Step();
   const auto goals = Find(ground, Happening::Kind::kGoal);
@@ -84,26 +87,28 @@ TEST(Games, SidesKickOffOnTheirHalvesAndAGoalPutsAllBack) {
   EXPECT_LT(PlayerAt(ground, 3).x(), -3);
   ground.Take(MoveEntry{.client = 1, .control = {.moveX = 1}, .hand = {}});
   const double before = PlayerAt(ground, 1).x();
-  Run(ground, 2.5);
+  PassTime(ground, 2.5);
   EXPECT_NEAR(PlayerAt(ground, 1).x(), before, 0.2) << "nobody moves before the kick-off";
-  Run(ground, 1.5);
+  PassTime(ground, 1.5);
   EXPECT_GT(PlayerAt(ground, 1).x(), before + 1);
   EXPECT_THAT(Find(ground, Happening::Kind::kGoal), testing::IsEmpty()) << "once";
 }
 
 TEST(Games, ABallThatLeavesThePitchComesBackWithoutAGoal) {
-  Playground ground = Begin("goals", 2);
+  const auto begun = Begin("goals", 2);
+  Playground& ground = *begun;
   const physics::BodyId ball = ground.ReadGame()->Object();
   Put(ground, ball, {14.5, 5, 30});
-  Run(ground, 6);
+  PassTime(ground, 6);
   EXPECT_EQ(ground.ReadGame()->ReadMatch().Read().sides[0].points, 0);
   Put(ground, ball, {0, 30, -3});
-  Run(ground, 2);
+  PassTime(ground, 2);
   EXPECT_LT(CentreOf(ground, ball).head<2>().norm(), 1);
 }
 
 TEST(Games, NobodyHoldsTheBall) {
-  Playground ground = Begin("goals", 2);
+  const auto begun = Begin("goals", 2);
+  Playground& ground = *begun;
   const physics::BodyId ball = ground.ReadGame()->Object();
   Put(ground, ground.FindPlayer(1)->body, CentreOf(ground, ball) - Vector3d(1.7, 0, 0));
   Grab(ground, 1, ball, 1);
@@ -112,7 +117,8 @@ TEST(Games, NobodyHoldsTheBall) {
 }
 
 TEST(Games, TheCrownIsGrabbedWornGrabbedAwayAndKnockedOff) {
-  Playground ground = Begin("crown", 3);
+  const auto begun = Begin("crown", 3);
+  Playground& ground = *begun;
   const physics::BodyId crown = ground.ReadGame()->Object();
   const Vector3d home = CentreOf(ground, crown);
   Grab(ground, 1, crown, 1);
@@ -129,9 +135,9 @@ TEST(Games, TheCrownIsGrabbedWornGrabbedAwayAndKnockedOff) {
   ASSERT_EQ(taken.size(), 1U);
   EXPECT_EQ(taken[0].by, 1U);
   ground.Take(MoveEntry{.client = 1, .control = {.moveX = 1}, .hand = {}});  // no key held
-  Run(ground, 0.5);
+  PassTime(ground, 0.5);
   ground.Take(MoveEntry{.client = 1, .control = {}, .hand = {}});
-  Run(ground, 2.6);
+  PassTime(ground, 2.6);
   EXPECT_EQ(ground.ReadGame()->Bearer(), 1U);
   EXPECT_EQ(ground.ReadGame()->ReadMatch().Find(1)->points, 3);
   const Vector3d over = CentreOf(ground, crown) - PlayerAt(ground, 1);
@@ -142,19 +148,20 @@ TEST(Games, TheCrownIsGrabbedWornGrabbedAwayAndKnockedOff) {
   Grab(ground, 2, crown, 1);
   ground.Step();
   EXPECT_EQ(ground.ReadGame()->Bearer(), 2U);
-  Run(ground, 1.2);
+  PassTime(ground, 1.2);
   EXPECT_EQ(ground.ReadGame()->Bearer(), 2U);
   stand(3, PlayerAt(ground, 2) + Vector3d(0, 1.2, 0));
   const physics::BodyId bearer = ground.FindPlayer(2)->body;
   EXPECT_EQ(ground.Take(ActEntry{.client = 3, .command = ShoveCommand{bearer, 0, {0, -1, 0}}}), "");
   ground.Step();
   EXPECT_EQ(ground.ReadGame()->Bearer(), 0U);
-  Run(ground, 0.5);
+  PassTime(ground, 0.5);
   EXPECT_EQ(ground.ReadGame()->Bearer(), 0U) << "a hand that is still closed does not take it back";
 }
 
 TEST(Games, WhoLeavesOrFallsLosesTheCrown) {
-  Playground ground = Begin("crown", 3);
+  const auto begun = Begin("crown", 3);
+  Playground& ground = *begun;
   const physics::BodyId crown = ground.ReadGame()->Object();
   const auto take = [&](ClientId client, std::uint16_t grip) {
     Put(ground, ground.FindPlayer(client)->body, CentreOf(ground, crown) + Vector3d(1.2, 0, 0.2));
@@ -165,12 +172,12 @@ TEST(Games, WhoLeavesOrFallsLosesTheCrown) {
   ASSERT_TRUE(take(1, 1));
   ground.Take(LeaveEntry{1});
   EXPECT_EQ(ground.ReadGame()->Bearer(), 0U);
-  Run(ground, 1.5);
+  PassTime(ground, 1.5);
   ASSERT_TRUE(take(2, 1));
   Put(ground, ground.FindPlayer(2)->body, {0, 0, -6});
   ground.Step();
   EXPECT_EQ(ground.ReadGame()->Bearer(), 0U);
-  Run(ground, 3);
+  PassTime(ground, 3);
   EXPECT_GT(CentreOf(ground, crown).z(), 0) << "it comes back, too";
 }
 

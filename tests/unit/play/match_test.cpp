@@ -27,13 +27,13 @@ Match MakeMatch(Kind kind, const std::vector<ClientId>& people, const std::vecto
   return match;
 }
 
-void Run(Match& match, double seconds) {
+void PassTime(Match& match, double seconds) {
   for (int i = 0; i < seconds * 10; ++i) match.Advance(0.1);
 }
 
 // From the lobby into the first round.
 void Begin(Match& match) {
-  Run(match, 20 + 3 + 0.5);
+  PassTime(match, 20 + 3 + 0.5);
   ASSERT_EQ(match.ReadPhase(), Phase::kPlaying);
 }
 
@@ -41,20 +41,20 @@ int SideOf(const Match& match, ClientId client) { return match.Find(client)->sid
 
 TEST(Match, TheLobbyEndsWhenAllAreReadyAndOtherwiseWhenItsTimeIsUp) {
   Match match = MakeMatch(Kind::kCrown, {1, 2});
-  Run(match, 5);
+  PassTime(match, 5);
   EXPECT_EQ(match.ReadPhase(), Phase::kLobby);
   EXPECT_TRUE(match.SetReady(1, true));
   EXPECT_FALSE(match.SetReady(7, true)) << "is not in";
-  Run(match, 1);
+  PassTime(match, 1);
   EXPECT_EQ(match.ReadPhase(), Phase::kLobby) << "one is not ready";
   EXPECT_FALSE(match.TakePlacing());
   match.SetReady(2, true);
-  Run(match, 0.2);
+  PassTime(match, 0.2);
   EXPECT_EQ(match.ReadPhase(), Phase::kKickOff);
   EXPECT_FALSE(match.MayMove());
   EXPECT_TRUE(match.TakePlacing());
   EXPECT_FALSE(match.TakePlacing()) << "once";
-  Run(match, 3.1);
+  PassTime(match, 3.1);
   EXPECT_EQ(match.ReadPhase(), Phase::kPlaying);
   EXPECT_TRUE(match.MayMove());
 
@@ -64,17 +64,17 @@ TEST(Match, TheLobbyEndsWhenAllAreReadyAndOtherwiseWhenItsTimeIsUp) {
 
 TEST(Match, BotsAreReadyAtOnceAndOneAloneWaits) {
   Match match = MakeMatch(Kind::kGoals, {}, {1});
-  Run(match, 100);
+  PassTime(match, 100);
   EXPECT_EQ(match.ReadPhase(), Phase::kLobby);
   EXPECT_EQ(match.SecondsLeft(), 20) << "it waits for others as long as it takes";
   match.Enter(2, true);
-  Run(match, 0.2);
+  PassTime(match, 0.2);
   EXPECT_EQ(match.ReadPhase(), Phase::kKickOff);
 }
 
 TEST(Match, WhatBotsWinBeforeAnybodyCameDoesNotCount) {
   Match match = MakeMatch(Kind::kCrown, {}, {1, 2});
-  Run(match, 3.5);
+  PassTime(match, 3.5);
   for (int i = 0; i < 3; ++i) match.Score(1);
   EXPECT_EQ(match.Find(1)->rounds, 1);
   match.Enter(3, false);
@@ -97,17 +97,17 @@ TEST(Match, RoundsMakeAMatchWithAFinalBoardAndTheNextOneBegins) {
   EXPECT_EQ(match.Winner(), 1U);
   match.Score(2);
   EXPECT_EQ(match.Find(2)->points, 0) << "between rounds nothing counts";
-  Run(match, 8 + 3 + 0.5);
+  PassTime(match, 8 + 3 + 0.5);
   EXPECT_EQ(match.ReadPhase(), Phase::kPlaying);
   EXPECT_EQ(match.Round(), 2);
   EXPECT_EQ(match.Find(1)->points, 0);
   match.Score(1);
-  Run(match, 60);
+  PassTime(match, 60);
   EXPECT_EQ(match.ReadPhase(), Phase::kOver) << "the time is up";
   EXPECT_EQ(match.Winner(), 1U);
   EXPECT_EQ(match.Find(1)->rounds, 2);
   EXPECT_EQ(match.Read().matches, 0);
-  Run(match, 8.2);
+  PassTime(match, 8.2);
   EXPECT_EQ(match.Read().matches, 1);
   EXPECT_EQ(match.ReadPhase(), Phase::kLobby);
   EXPECT_EQ(match.Round(), 1);
@@ -118,7 +118,7 @@ TEST(Match, RoundsThatAreSharedMakeNoWinner) {
   Match match = MakeMatch(Kind::kCrown, {1, 2});
   Begin(match);
   for (int i = 0; i < 3; ++i) match.Score(1);
-  Run(match, 8 + 3 + 0.5);
+  PassTime(match, 8 + 3 + 0.5);
   for (int i = 0; i < 3; ++i) match.Score(2);
   EXPECT_EQ(match.ReadPhase(), Phase::kOver);
   EXPECT_EQ(match.Winner(), 0U);
@@ -130,20 +130,20 @@ TEST(Match, WithoutRoundsItNeverEndsAndRoundsMayBeSetFromOutside) {
   rules.lobbySeconds = 0;
   Match match(rules);
   for (const ClientId client : {1U, 2U}) match.Enter(client, false);
-  for (int i = 0; i < 5; ++i) Run(match, 60 + 8 + 0.3);
+  for (int i = 0; i < 5; ++i) PassTime(match, 60 + 8 + 0.3);
   EXPECT_EQ(match.Round(), 6);
   EXPECT_EQ(match.Read().matches, 0);
   match.SetRounds(6);
-  Run(match, 60);
+  PassTime(match, 60);
   EXPECT_EQ(match.ReadPhase(), Phase::kOver);
 }
 
 TEST(Match, AnEqualScoreIsDecidedByTheNextPoint) {
   Match match = MakeMatch(Kind::kGoals, {1, 2});
   Begin(match);
-  Run(match, 60);
+  PassTime(match, 60);
   EXPECT_EQ(match.ReadPhase(), Phase::kKickOff);
-  Run(match, 3.2);
+  PassTime(match, 3.2);
   ASSERT_EQ(match.ReadPhase(), Phase::kGolden);
   match.Score(2, 2);
   EXPECT_EQ(match.ReadPhase(), Phase::kWon);
@@ -153,9 +153,9 @@ TEST(Match, AnEqualScoreIsDecidedByTheNextPoint) {
 
   Match endless = MakeMatch(Kind::kCrown, {1, 2});
   Begin(endless);
-  Run(endless, 60);
+  PassTime(endless, 60);
   EXPECT_EQ(endless.ReadPhase(), Phase::kGolden) << "without a kick-off: the crown is on somebody's head";
-  Run(endless, 60.2);
+  PassTime(endless, 60.2);
   EXPECT_EQ(endless.ReadPhase(), Phase::kWon) << "the golden point is not waited for for ever";
   EXPECT_EQ(endless.Winner(), 0U);
 }
@@ -170,7 +170,7 @@ TEST(Match, AGoalStopsTheTimeUntilTheKickOffIsOver) {
   EXPECT_TRUE(match.TakePlacing());
   match.Score(0, 1);
   EXPECT_EQ(match.Read().sides[0].points, 1) << "during the kick-off nothing counts";
-  Run(match, 3);
+  PassTime(match, 3);
   EXPECT_EQ(match.ReadPhase(), Phase::kPlaying);
   EXPECT_NEAR(match.SecondsLeft(), left, 0.2);
 }
@@ -197,11 +197,11 @@ TEST(Match, WhoIsLeftAloneOnTheirSideIsJoinedByAnOpponentAndWhoIsAloneGoesToTheL
   Match match = MakeMatch(Kind::kGoals, {1, 2}, {3});
   Begin(match);
   match.Leave(2);
-  Run(match, 0.2);
+  PassTime(match, 0.2);
   EXPECT_EQ(match.ReadPhase(), Phase::kKickOff);
   EXPECT_EQ(SideOf(match, 3), 2) << "a bot rather than a person";
   match.Leave(3);
-  Run(match, 0.2);
+  PassTime(match, 0.2);
   EXPECT_EQ(match.ReadPhase(), Phase::kLobby);
 }
 
