@@ -26,6 +26,14 @@ export function MakeButton(text: string, label: string, key: string, onClick: ()
   return button;
 }
 
+// Over all the page, with the focus inside until it is closed, which Escape does. The keys of the world do not act.
+export function MakeDialog(className: string, label: string): HTMLDialogElement {
+  const dialog = MakeElement('dialog', className);
+  dialog.setAttribute('aria-label', label);
+  dialog.addEventListener('keydown', (event) => event.stopPropagation());
+  return dialog;
+}
+
 export function SetPressed(button: HTMLButtonElement, isPressed: boolean): void {
   const pressed = String(isPressed);
   if (button.getAttribute('aria-pressed') !== pressed) button.setAttribute('aria-pressed', pressed);

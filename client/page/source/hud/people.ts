@@ -1,13 +1,15 @@
-// The name of the scene and of its players. The player's own name comes first and can be edited.
+// The name of the scene and of its players. The player's own name comes first and can be edited. Short and narrow
+// screens fold all of it behind a button with the scene's name.
 import { MakeOwnColour, MakePlayerColour } from '../scene/colours';
 import type { Player, Players } from '../players';
+import { Drawer } from './drawer';
 import { MakeButton, MakeElement, SetPressed, SetText } from './element';
 
 const kMostShown = 12;
 const kMaxNameBytes = 32;
 
 export class People {
-  readonly element = MakeElement('section', 'panel people');
+  readonly drawer: Drawer;
   onRename: (name: string) => void = () => {};
   onFollow: (clientId: number) => void = () => {}; // of who has no body
   private readonly m_scene = MakeElement('span');
@@ -18,7 +20,8 @@ export class People {
 
   // Both are shown at the top. menu: of the worlds.
   constructor(name: string, invite: HTMLElement, menu: HTMLElement) {
-    this.element.setAttribute('aria-label', 'Scene and players');
+    const element = MakeElement('section', 'panel people');
+    element.setAttribute('aria-label', 'Scene and players');
     const title = MakeElement('div', 'scene');
     title.append(this.m_scene, this.m_count);
     this.m_name.value = name;
@@ -33,11 +36,13 @@ export class People {
     });
     const own = MakeElement('li');
     own.append(MakeDot(`#${MakeOwnColour().getHexString()}`), this.m_name);
-    this.element.append(invite, menu, title, own, this.m_list);
+    element.append(invite, menu, title, own, this.m_list);
+    this.drawer = new Drawer('left', 'Scene, players, worlds', '', element);
   }
 
   Update(scene: string, players: Players): void {
     SetText(this.m_scene, scene);
+    this.drawer.SetText(`${scene} · ${players.all.size}`);
     if (this.m_revision === players.revision) return;
     this.m_revision = players.revision;
     const others = [...players.all.values()].filter((player) => player.clientId !== players.ownClient);
