@@ -49,7 +49,7 @@ export class Hud {
   readonly menu: Menu;
   readonly card: ConnectionCard;
   private readonly m_connection: Connection;
-  private m_parent = MakeElement('div');
+  private m_parent: HTMLElement = MakeElement('div');
   private readonly m_company: CompanyLine;
   private readonly m_chart = new LinkChart();
   private readonly m_line = new LinkLine();
