@@ -73,7 +73,7 @@ test('no solid comes between the camera and the followed body, and it keeps a di
   const random = makeRandom(27);
   let near = 0;
   let scenes = 0;
-  while (scenes < 300) {
+  while (scenes < 80) {
     const obstacles = [plane, ...Array.from({ length: 4 }, () => makeObstacle(random))];
     const solids = { obstacles, grounds: [] };
     const own = { x: 0, y: 0, z: 0.5, size: 0.5 };
@@ -90,8 +90,8 @@ test('no solid comes between the camera and the followed body, and it keeps a di
       const { focus } = camera;
       assert.ok(camera.distance <= 5.6 + 1e-9, `${camera.distance} m`);
       if (camera.distance < 1.2) ++near;
-      for (let step = 0; step < 40; ++step) {
-        const share = step / 40;
+      for (let step = frame % 3; step < 60; step += 3) {
+        const share = step / 60;
         const mix = (name) => focus[name] + share * (eye[name] - focus[name]);
         const point = { x: mix('x'), y: mix('y'), z: mix('z') };
         const hidden = obstacles.find((obstacle) => contains(obstacle, point));
@@ -194,20 +194,26 @@ test('every goodbye of the server has a card of its own', () => {
   assert.equal(page.FindStayOf(locked), page.Stay.Locked);
   assert.equal(page.FindStayOf('server silent for 8 s'), page.Stay.Silent);
   assert.equal(page.FindStayOf('all places are taken'), page.Stay.Full);
+  // What the transport tells of its own.
+  const transport = fs.readFileSync(path.join(root, 'protocol/transport/enet_transport.cpp'), 'utf8');
+  for (const [, reason] of transport.matchAll(/return "(\w+ [^"]*)";/g)) {
+    assert.notEqual(page.FindStayOf(reason), page.Stay.Refused, reason);
+  }
   assert.equal(page.FindDetail('removed by a moderator: be nice: really'), 'be nice: really');
   assert.equal(page.FindDetail('removed by a moderator'), '');
 });
 
 test('the state of the stay follows from the connection', () => {
   const { FindStay, Stay } = page;
-  const out = { isPlaying: false, isLoading: false, lostReason: '', refused: null };
+  const out = { isPlaying: false, isEntering: false, hasPlayed: true, lostReason: '', refused: null };
   assert.equal(FindStay(out, '', false), Stay.Connecting);
-  assert.equal(FindStay({ ...out, isLoading: true }, '', false), Stay.Loading);
+  assert.equal(FindStay({ ...out, isEntering: true }, '', false), Stay.Entering);
   assert.equal(FindStay({ ...out, isPlaying: true }, '', false), Stay.Playing);
   assert.equal(FindStay({ ...out, isPlaying: true }, 'moon', false), Stay.NoSuchWorld);
   assert.equal(FindStay({ ...out, lostReason: 'any', refused: 'password' }, '', false), Stay.Password);
   assert.equal(FindStay({ ...out, lostReason: 'the connection was lost' }, '', false), Stay.Lost);
   assert.equal(FindStay({ ...out, lostReason: 'the connection was lost' }, '', true), Stay.OtherVersion);
+  assert.equal(FindStay({ ...out, hasPlayed: false, lostReason: 'server silent for 8 s' }, '', false), Stay.NotAnswering);
   assert.equal(FindStay({ ...out, lostReason: 'banned from this server' }, '', true), Stay.Banned);
   assert.equal(FindStay({ ...out, lostReason: 'something new' }, '', false), Stay.Refused);
 });

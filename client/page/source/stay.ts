@@ -3,7 +3,7 @@
 
 export enum Stay {
   Connecting,
-  Loading,
+  Entering, // the gateway has answered: it calls the server, or the world is loading
   Playing,
   NoSuchWorld,
   Password, // the server asks for a password or an invite
@@ -31,10 +31,13 @@ const kReasons: [begin: string, stay: Stay][] = [
   ['the server is locked', Stay.Locked],
   ['server is busy', Stay.Busy],
   ['no answer from the server', Stay.NotAnswering],
+  ['the server does not answer', Stay.NotAnswering], // the gateway
   ["the server's name is not known", Stay.NotAnswering],
   ['server is closing', Stay.Closing],
   ['server silent', Stay.Silent],
   ['the connection was lost', Stay.Lost],
+  ['the server was restarted', Stay.Lost],
+  ['the server has ended the connection', Stay.Lost],
   ['connection lost', Stay.Lost],
   ['removed by a moderator', Stay.Kicked],
   ['banned from this server', Stay.Banned],
@@ -65,18 +68,22 @@ export function FindDetail(reason: string): string {
 // As Connection has it.
 export interface Standing {
   isPlaying: boolean;
-  isLoading: boolean; // the server has answered
+  isEntering: boolean; // the gateway has answered
+  hasPlayed: boolean;
   lostReason: string; // empty: nothing was lost
   refused: string | null;
 }
 
 // missing: the world that the address names and this gateway does not have; empty: it has it. isOld: the gateway serves
 // another page than this one by now.
-export function FindStay({ isPlaying, isLoading, lostReason, refused }: Standing, missing: string, isOld: boolean): Stay {
+export function FindStay(standing: Standing, missing: string, isOld: boolean): Stay {
+  const { isPlaying, isEntering, hasPlayed, lostReason, refused } = standing;
   if (missing !== '') return Stay.NoSuchWorld;
   if (isPlaying) return Stay.Playing;
   if (refused !== null) return Stay.Password;
-  if (lostReason === '') return isLoading ? Stay.Loading : Stay.Connecting;
+  if (lostReason === '') return isEntering ? Stay.Entering : Stay.Connecting;
   const stay = FindStayOf(lostReason);
-  return isOld && [Stay.Lost, Stay.NotAnswering].includes(stay) ? Stay.OtherVersion : stay;
+  if (![Stay.Lost, Stay.NotAnswering, Stay.Silent].includes(stay)) return stay;
+  if (isOld) return Stay.OtherVersion;
+  return hasPlayed ? stay : Stay.NotAnswering; // nothing is lost that was not there
 }

@@ -55,13 +55,14 @@ export class ConnectionCard {
   // missing: name of a world that is not here; empty: it is.
   Update(connection: Connection, missing: string): void {
     const { client, end, lostReason, refused } = connection;
-    const isLoading = client?.readState() === State.Joining;
-    const standing = { isPlaying: connection.playing !== null, isLoading, lostReason, refused };
+    const isEntering = client?.readState() === State.Joining;
+    const isPlaying = connection.playing !== null;
+    const standing = { isPlaying, isEntering, hasPlayed: connection.hasPlayed, lostReason, refused };
     this.AskAge(lostReason);
     this.stay = FindStay(standing, missing, this.m_isOld);
     this.element.hidden = this.stay === Stay.Playing;
     if (this.element.hidden) return;
-    const isIn = this.stay === Stay.Connecting || this.stay === Stay.Loading;
+    const isIn = this.stay === Stay.Connecting || this.stay === Stay.Entering;
     const tries = isIn || (lostReason !== '' && refused === null && (end === null || end.retryAt !== null));
     const isOut = !isIn && this.stay !== Stay.NoSuchWorld && this.stay !== Stay.Password;
     this.m_ball.hidden = !tries;
@@ -90,9 +91,9 @@ export class ConnectionCard {
     switch (this.stay) {
       case Stay.Playing:
       case Stay.Connecting:
-        return { title: 'Joining…', happened: 'Connecting to the server', next: '' };
-      case Stay.Loading:
-        return { title: 'Joining…', happened: 'Loading the world', next: '' };
+        return { title: 'Joining…', happened: 'Connecting', next: '' };
+      case Stay.Entering:
+        return { title: 'Joining…', happened: 'Waiting for the server', next: '' };
       case Stay.NoSuchWorld: {
         const happened = `“${missing.slice(0, kMostShown)}” is not among the worlds of this page.`;
         return { title: 'No such world', happened, next: 'Choose one that is here.' };
@@ -190,7 +191,7 @@ export class ConnectionCard {
     if (except === this.m_listedFor) return;
     this.m_listedFor = except;
     const others = except === null ? [] : this.m_worlds.filter((world) => world !== except).slice(0, kMostOthers);
-    const buttons = others.map((world) => MakeButton(`Play ${world}`, `Go to ${world}`, '', () => this.m_onWorld(world)));
+    const buttons = others.map((world) => MakeButton(`Go to ${world}`, `Go to ${world}`, '', () => this.m_onWorld(world)));
     this.m_others.replaceChildren(...buttons);
     this.m_others.hidden = others.length === 0;
   }

@@ -26,7 +26,7 @@ export class LinkChart {
     MakeSeries('ping', '#ffd166', 80, (value) => `${value.toFixed(0)} ms`),
     MakeSeries('delay', '#7ee0c3', 200, (value) => `${value.toFixed(0)} ms`),
     MakeSeries('kbit/s', '#8ecbff', 300, (value) => value.toFixed(0)),
-    MakeSeries('stalls', '#ff8f8f', 4, (value) => value.toFixed(0)),
+    MakeSeries('stalls', '#ffa3a3', 4, (value) => value.toFixed(0)),
   ];
   private readonly m_bytes = new Float64Array(kRateOver);
   private m_next = 0;

@@ -20,7 +20,7 @@ export class Menu {
     };
     add('View', 'View: forces and springs', 'V', 'view');
     add('World', 'World: gravity, stiffness, time', 'G', 'world');
-    add('Cam', 'Camera: follow, circle, free', 'C', 'camera');
+    add('Camera', 'Camera: follow, circle, free', 'C', 'camera');
     add('Settings', 'Settings', '', 'settings');
     add('Full', 'Full screen', '', 'fullscreen');
     add('Help', 'Help: what keys and buttons do', 'H', 'help');

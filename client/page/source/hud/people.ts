@@ -34,9 +34,11 @@ export class People {
       event.stopPropagation();
       if (event.key === 'Enter' || event.key === 'Escape') this.m_name.blur();
     });
+    const self = MakeElement('ul');
     const own = MakeElement('li');
+    self.append(own);
     own.append(MakeDot(`#${MakeOwnColour().getHexString()}`), this.m_name);
-    element.append(invite, menu, title, own, this.m_list);
+    element.append(invite, menu, title, self, this.m_list);
     this.drawer = new Drawer('left', 'Scene, players, worlds', '', element);
   }
 

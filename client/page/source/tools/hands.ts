@@ -1,6 +1,6 @@
 // The tool bar and the active tool, which gets the pointer's presses. A click with any tool also selects the body of
 // the view panel.
-import { MakeElement, SetPressed } from '../hud/element';
+import { MakeElement, SetPressed, ShowKey } from '../hud/element';
 import { Device } from '../input/device';
 import type { Place, PointerTaker } from '../input/pointer';
 import type { Bench, Tool } from './tool';
@@ -130,7 +130,7 @@ function MakeToolButton(tool: Tool, key: number, onClick: () => void): HTMLButto
   }
   drawing.append(path);
   const text = MakeElement('span', '', tool.name);
-  text.append(' ', MakeElement('kbd', '', String(key)));
+  ShowKey(button, String(key));
   button.append(drawing, text);
   button.addEventListener('click', () => {
     onClick();
