@@ -27,7 +27,8 @@ async function show(state, host, { query = 'name=mira', onTab, reach = async () 
     const options = kind === 'desk' ? {} : { hasTouch: true, isMobile: true };
     // Small until the picture is taken: the browser renders in software.
     const viewport = kind === 'desk' ? { width: 900, height: 506 } : { width: 844, height: 390 };
-    const page = await openPage(browser, host, { query: `${query}&quality=3`, onTab, viewport, ...options });
+    const page = await openPage(browser, host, { query: `${query}&quality=5`, onTab, viewport, ...options });
+    page.isPhone = kind === 'phone';
     await reach(page, kind);
     for (const [size, [width, height]] of Object.entries(screens)) {
       if ((size === 'desk') !== (kind === 'desk')) continue;
@@ -46,7 +47,11 @@ const play = async (page) => {
   await waitForPlaying(page.tab);
   await page.tab.waitForTimeout(1500); // until what falls has fallen
 };
-const press = (page, name) => page.tab.getByRole('button', { name }).first().click();
+// As the device does it: help and buttons follow what was pressed last.
+const press = async (page, name) => {
+  const button = page.tab.getByRole('button', { name }).first();
+  await (page.isPhone ? button.tap() : button.click());
+};
 // What short screens fold is opened first.
 const openMenu = async (page, kind) => kind === 'phone' && (await press(page, 'Menu'));
 
@@ -137,7 +142,7 @@ async function showPlay() {
   for (const [tool, scene, key] of [['grab', 'arena', 1], ['push', 'arena', 2], ['cut', 'curtain', 2], ['build', 'sandbox', 4]]) {
     await show(`tool_${tool}`, host, { query: `name=mira&world=${scene}`, reach: async (page) => {
       await play(page);
-      await page.tab.getByRole('button', { name: new RegExp(`^${tool}`, 'i') }).click();
+      await press(page, new RegExp(`^${tool}`, 'i'));
     } });
   }
   await show('people', host, { query: 'name=mira', only: ['phone'], reach: async (page) => {

@@ -333,6 +333,7 @@ export class App {
 
   private MoveCamera(client: Client, now: number, seconds: number): void {
     this.m_survey.Update(client, seconds);
+    this.camera.aspect = this.stage.camera.aspect;
     const watched = client.findBody(this.players.FindWatchedBody());
     const size = watched === null ? 0 : client.findBlueprint(watched.blueprint).size;
     const own = watched === null ? null : { x: watched.x, y: watched.y, z: watched.z, size };

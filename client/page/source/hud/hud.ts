@@ -105,6 +105,7 @@ export class Hud {
   // While there is no world: the card says why, and nothing may lie over it.
   Wait(): void {
     this.m_parent.classList.add('away');
+    this.people.Leave(this.m_connection.world || 'wobble');
     this.invite.Close();
     this.m_line.Hide();
     this.m_company.element.hidden = this.m_buildPanel.element.hidden = true;

@@ -22,7 +22,7 @@ export class Menu {
     add('World', 'World: gravity, stiffness, time', 'G', 'world');
     add('Camera', 'Camera: follow, circle, free', 'C', 'camera');
     add('Settings', 'Settings', '', 'settings');
-    add('Full', 'Full screen', '', 'fullscreen');
+    add('Full screen', 'Full screen', '', 'fullscreen');
     add('Help', 'Help: what keys and buttons do', 'H', 'help');
     this.m_buttons.get('fullscreen')!.hidden = !document.fullscreenEnabled;
     document.addEventListener('fullscreenchange', () => this.ShowPressed());

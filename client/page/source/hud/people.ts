@@ -61,6 +61,15 @@ export class People {
     }
   }
 
+  // There is no world. name: of the one that is asked for.
+  Leave(name: string): void {
+    this.m_revision = -1;
+    SetText(this.m_scene, '');
+    SetText(this.m_count, '');
+    this.m_list.replaceChildren();
+    this.drawer.SetText(name);
+  }
+
   private MakeName(player: Player, players: Players): HTMLElement {
     if (players.ownBody !== 0 || player.body === 0) return MakeElement('span', '', player.name);
     const button = MakeButton(player.name, `Follow ${player.name}`, '', () => this.onFollow(player.clientId));

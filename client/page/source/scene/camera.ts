@@ -17,6 +17,8 @@ export enum CameraMode {
 const kFollowDistance = 5.6; // m, before zoom
 const kFollowPitch = 0.42; // rad downwards
 const kOrbitPitch = 0.42;
+const kFullWidth = 0.9; // width of the picture per height with which the whole scene is in it
+const kMostNarrow = 1.8; // factor on the distance, of narrower ones
 const kAboveBody = 0.45; // m
 const kLeastPitch = -0.12;
 const kMostPitch = 1.5;
@@ -58,6 +60,7 @@ export class OrbitCamera {
 
   isCalm = false; // never turns by itself
   zoom = 1; // factor on the distance
+  aspect = 1; // width of the picture per height
   solids: Solids = { obstacles: [], grounds: [] };
 
   private m_yawAsked = Math.PI / 2;
@@ -139,8 +142,11 @@ export class OrbitCamera {
   }
 
   private FindDistance(own: Watched | null, crowd: Crowd): number {
+    const narrow = Math.max(1, Math.min(kMostNarrow, kFullWidth / this.aspect));
     const wished =
-      own === null ? Math.max(6, Math.min(50, 1.7 * crowd.spread)) : Math.max(kFollowDistance, kSizesAway * own.size);
+      own === null
+        ? narrow * Math.max(6, Math.min(50, 1.7 * crowd.spread))
+        : Math.max(kFollowDistance, kSizesAway * own.size);
     const least = kLeastSizesAway * (own?.size ?? crowd.largest);
     return Math.max(kLeastDistance, least, this.zoom * wished);
   }
