@@ -63,12 +63,13 @@ export class ConnectionCard {
     this.element.hidden = this.stay === Stay.Playing;
     if (this.element.hidden) return;
     const isIn = this.stay === Stay.Connecting || this.stay === Stay.Entering;
-    const tries = isIn || (lostReason !== '' && refused === null && (end === null || end.retryAt !== null));
-    const isOut = !isIn && this.stay !== Stay.NoSuchWorld && this.stay !== Stay.Password;
+    const isOld = this.stay === Stay.OtherVersion; // another try does not help
+    const isOut = !isIn && !isOld && this.stay !== Stay.NoSuchWorld && this.stay !== Stay.Password;
+    const tries = isIn || (isOut && (end === null || end.retryAt !== null));
     this.m_ball.hidden = !tries;
     this.m_form.hidden = this.stay !== Stay.Password;
-    this.m_join.hidden = !isOut || this.stay === Stay.OtherVersion;
-    this.m_reload.hidden = this.stay !== Stay.OtherVersion;
+    this.m_join.hidden = !isOut;
+    this.m_reload.hidden = !isOld;
     this.ListOthers(isIn ? null : missing !== '' ? missing : connection.world);
     const { title, happened, next } = this.Describe(connection, missing);
     SetText(this.m_title, title);
@@ -131,7 +132,7 @@ export class ConnectionCard {
         return {
           title: 'You were sent away',
           happened: detail === '' ? 'A moderator removed you.' : `A moderator removed you: “${detail}”.`,
-          next: 'You may come back, if you mind the reason.',
+          next: 'You may come back.',
         };
       case Stay.Banned:
         return {

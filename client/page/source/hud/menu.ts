@@ -34,6 +34,7 @@ export class Menu {
 
   Toggle(name: PanelName): void {
     this.m_panels[name].hidden = !this.m_panels[name].hidden;
+    this.m_panels[name].scrollIntoView({ block: 'nearest' });
     this.ShowPressed();
   }
 
