@@ -53,7 +53,7 @@ const press = async (page, name) => {
   await (page.isPhone ? button.tap() : button.click());
 };
 // What short screens fold is opened first.
-const openMenu = async (page, kind) => kind === 'phone' && (await press(page, 'Menu'));
+const openMenu = async (page, kind) => kind === 'phone' && (await press(page, /menu$/));
 
 async function showCards() {
   const socket = path.join(temporary, 'admin.sock');
@@ -147,7 +147,7 @@ async function showPlay() {
   }
   await show('people', host, { query: 'name=mira', only: ['phone'], reach: async (page) => {
     await play(page);
-    await press(page, 'Scene, players, worlds');
+    await press(page, /players and worlds$/);
   } });
   await show('menu', host, { query: 'name=mira', only: ['phone'], reach: async (page, kind) => {
     await play(page);
@@ -180,7 +180,7 @@ async function showPlay() {
   } });
   await show('invite', host, { reach: async (page, kind) => {
     await play(page);
-    if (kind === 'phone') await press(page, 'Scene, players, worlds');
+    if (kind === 'phone') await press(page, /players and worlds$/);
     await press(page, 'Invite friends');
   } });
   await show('silent', host, { reach: async (page) => {
@@ -195,11 +195,11 @@ async function showPlay() {
   await Promise.all([arena.stop(), sumo.program.stop(), sandbox.program.stop(), curtain.program.stop()]);
 }
 
-// A round of a few seconds.
+// A round of ten seconds.
 async function showEnd() {
   if (!pattern.test('sumo_end')) return;
   const scene = path.join(temporary, 'short.toml');
-  fs.writeFileSync(scene, fs.readFileSync(path.join(root, 'server/scenes/sumo.toml'), 'utf8').replace('round = 120', 'round = 5'));
+  fs.writeFileSync(scene, fs.readFileSync(path.join(root, 'server/scenes/sumo.toml'), 'utf8').replace('round = 120', 'round = 10'));
   const world = await startWorld(scene);
   const bots = startBots(world, 3, 'chase.lua');
   await show('sumo_end', world.host, { reach: async (page) => {

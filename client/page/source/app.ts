@@ -213,7 +213,9 @@ export class App {
         break;
       case 'help': {
         const hasBody = this.players.ownBody !== 0;
-        this.m_hud.help.Toggle({ hasBody, hasTools: this.m_hands.active !== null, mayTune: this.m_hud.MayTune(this.players) });
+        const mayTune = this.m_hud.MayTune(this.players);
+        this.m_hud.help.Toggle({ hasBody, hasTools: this.m_hands.active !== null, mayTune });
+        this.m_hud.menu.drawer.Open(false);
         break;
       }
       case 'remove':

@@ -103,7 +103,7 @@ export class Help {
   private m_abilities: Abilities = { hasBody: true, hasTools: true, mayTune: false };
 
   constructor() {
-    const close = MakeButton('Continue', 'Close', '', () => this.element.close());
+    const close = MakeButton('Continue', 'Continue', '', () => this.element.close());
     close.classList.add('main');
     this.element.append(this.m_title, this.m_list, this.m_note, close);
     this.element.addEventListener('keydown', (event) => {

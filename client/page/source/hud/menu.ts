@@ -28,7 +28,7 @@ export class Menu {
     document.addEventListener('fullscreenchange', () => this.ShowPressed());
     const corner = MakeElement('div', 'corner');
     corner.append(chart, buttons, panels.view, panels.world, panels.settings);
-    this.drawer = new Drawer('menu', 'Menu', '☰', corner);
+    this.drawer = new Drawer('menu', 'menu', '☰', corner);
     this.ShowPressed();
   }
 

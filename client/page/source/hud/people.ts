@@ -39,7 +39,7 @@ export class People {
     self.append(own);
     own.append(MakeDot(`#${MakeOwnColour().getHexString()}`), this.m_name);
     element.append(invite, menu, title, self, this.m_list);
-    this.drawer = new Drawer('left', 'Scene, players, worlds', '', element);
+    this.drawer = new Drawer('left', 'players and worlds', 'wobble', element);
   }
 
   Update(scene: string, players: Players): void {
