@@ -175,6 +175,7 @@ test('what hides the own body is see-through, and nothing else is', () => {
   assert.equal(hide({ x: 0, y: -5.5, z: 1.9, radius: 1.5 }), true, 'around the eye');
   assert.equal(hide({ x: 3, y: -3, z: 1.2, radius: 1 }), false, 'beside');
   assert.equal(hide({ x: 0, y: 3, z: 0.5, radius: 1 }), false, 'behind');
+  assert.equal(hide({ x: 0, y: 1.02, z: 0.5, radius: 1 }), false, 'close behind');
   assert.equal(hide({ x: 0, y: -9, z: 3, radius: 1 }), false, 'at the back of the eye');
   assert.equal(hide({ x: 0.6, y: -0.6, z: 0.3, radius: 0.3 }), false, 'a small one at the rim');
   const client = makeBalls([{ x: 0, y: -6, z: 2, radius: 1 }, { x: 0, y: 3, z: 1, radius: 1 }]);

@@ -26,3 +26,11 @@ export const hold = (tab, axes, ...buttons) =>
     },
     [axes, buttons],
   );
+
+// Presses a button for two frames of the page, and lets it go for two.
+export async function press(tab, button) {
+  for (const buttons of [[button], []]) {
+    await hold(tab, [0, 0, 0, 0], ...buttons);
+    await tab.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(done)))));
+  }
+}
