@@ -4,7 +4,7 @@ import { MakeElement } from '../hud/element';
 import type { Place, PointerTaker } from './pointer';
 
 const kAcross = 0.5; // shares of the screen
-const kDown = 0.42;
+const kDown = 0.46;
 
 export class Reticle {
   readonly element = MakeElement('div', 'reticle');
