@@ -28,12 +28,12 @@ function ListDesk({ hasBody, hasTools, mayTune }: Abilities): Line[] {
   const tools: Line[] = [
     ['1 2 3 4', 'choose a tool'],
     ['left button', 'use the tool on a body; elsewhere: look around'],
-    ['Enter', 'use the tool above your own body, without a mouse'],
+    ['U', 'use the tool at a ring above your own body, without a mouse'],
   ];
   return [
     ...(hasBody ? body : []),
     ...(hasTools ? tools : []),
-    ['right button, Q R', 'look around'],
+    ['right button, . ,', 'look around'],
     ['wheel, Page keys', hasTools ? 'zoom; while grabbing: nearer or farther' : 'zoom'],
     ['C', hasBody ? 'camera: follow, circle, free' : 'camera: circle, free; the keys of motion fly it'],
     ['V', 'view: forces, accelerations, springs'],

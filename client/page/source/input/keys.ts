@@ -25,11 +25,11 @@ const kHeld: Record<string, string> = {
   KeyE: 'puff',
   KeyP: 'puff',
   KeyF: 'stiffen',
-  KeyQ: 'lookLeft',
-  KeyR: 'lookRight',
+  Comma: 'lookLeft',
+  Period: 'lookRight',
   PageUp: 'nearer',
   PageDown: 'farther',
-  Enter: 'use',
+  KeyU: 'use',
 };
 const kCommands: Record<string, Command> = {
   KeyC: 'camera',

@@ -1,4 +1,4 @@
-// A point of the screen at which the tool acts for who has no pointer: by a gamepad's trigger, or Enter. It lies above
+// A point of the screen at which the tool acts for who has no pointer: by a gamepad's trigger, or a key. It lies above
 // the player's own body and so looks past it.
 import { MakeElement } from '../hud/element';
 import type { Place, PointerTaker } from './pointer';
