@@ -15,7 +15,8 @@ import { Program, startGateway, startServerOn, test, waitFor } from './support/p
 
 const phones = { landscape: { width: 844, height: 390 }, portrait: { width: 390, height: 844 } };
 const cheap = 'name=mira&quality=5';
-const axe = fs.readFileSync(createRequire(new URL('../../client/page/package.json', import.meta.url)).resolve('axe-core/axe.min.js'), 'utf8');
+const { resolve } = createRequire(new URL('../../client/page/package.json', import.meta.url));
+const axe = fs.readFileSync(resolve('axe-core/axe.min.js'), 'utf8');
 
 let browser;
 let folder;
@@ -60,7 +61,8 @@ test('cards say what has happened and what one can do', async () => {
   const stranger = await openPage(browser, host, { query: `${cheap}&world=gone` }); // it takes 8 s to know
   const card = findCard(page);
   await waitForCard(page, 'The world is full');
-  assert.match(await card.innerText(), /1 of 1 players are in\.\s+You come in when somebody leaves\. This page tries again/);
+  const full = /1 of 1 players are in\.\s+You come in when somebody leaves\. This page tries again/;
+  assert.match(await card.innerText(), full);
   assert.deepEqual(await findPoorTexts(page.tab), []);
   assert.deepEqual(await findFaults(page), []);
   await first.leave();
@@ -236,7 +238,8 @@ test('by the keyboard alone; labels, contrast, and settings that last', async ()
   await page.tab.evaluate(() => document.activeElement.blur());
   const names = await tabThrough(page.tab);
   assert.deepEqual(names.filter((name) => /OUTSIDE|UNSEEN/.test(name)), []);
-  for (const wanted of [/^canvas/, /Invite friends/, /Your name/, /^button View/, /^button World/, /^button Help/, /^button Grab/]) {
+  const all = [/^canvas/, /Invite friends/, /Your name/, /^button View/, /^button World/, /^button Help/, /^button Grab/];
+  for (const wanted of all) {
     assert.ok(names.some((name) => wanted.test(name)), `${wanted} of ${names}`);
   }
   await page.tab.keyboard.press('KeyH');

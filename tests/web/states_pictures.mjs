@@ -139,7 +139,7 @@ async function showPlay() {
     await play(page);
     await page.tab.waitForTimeout(4000);
   } });
-  for (const [tool, scene, key] of [['grab', 'arena', 1], ['push', 'arena', 2], ['cut', 'curtain', 2], ['build', 'sandbox', 4]]) {
+  for (const [tool, scene] of [['grab', 'arena'], ['push', 'arena'], ['cut', 'curtain'], ['build', 'sandbox']]) {
     await show(`tool_${tool}`, host, { query: `name=mira&world=${scene}`, reach: async (page) => {
       await play(page);
       await press(page, new RegExp(`^${tool}`, 'i'));
@@ -199,7 +199,8 @@ async function showPlay() {
 async function showEnd() {
   if (!pattern.test('sumo_end')) return;
   const scene = path.join(temporary, 'short.toml');
-  fs.writeFileSync(scene, fs.readFileSync(path.join(root, 'server/scenes/sumo.toml'), 'utf8').replace('round = 120', 'round = 10'));
+  const sumo = fs.readFileSync(path.join(root, 'server/scenes/sumo.toml'), 'utf8');
+  fs.writeFileSync(scene, sumo.replace('round = 120', 'round = 10'));
   const world = await startWorld(scene);
   const bots = startBots(world, 3, 'chase.lua');
   await show('sumo_end', world.host, { reach: async (page) => {

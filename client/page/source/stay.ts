@@ -1,5 +1,6 @@
-// Where the player stands: on the way in, playing, or out, and why. The reason comes as a line of text, of the server or
-// the gateway (protocol/messages.cpp, client/client.cpp, client/gateway); a test compares this table with the server's.
+// Where the player stands: on the way in, playing, or out, and why. The reason comes as a line of text, of the server
+// or the gateway (protocol/messages.cpp, client/client.cpp, client/gateway); a test compares this table with the
+// server's.
 
 export enum Stay {
   Connecting,

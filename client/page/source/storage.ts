@@ -1,5 +1,5 @@
-// What the browser keeps for this page. Storage may be full, forbidden or broken: then nothing is kept, and the page goes
-// on without it.
+// What the browser keeps for this page. Storage may be full, forbidden or broken: then nothing is kept, and the page
+// goes on without it.
 
 // null: nothing is kept.
 export function ReadKept(key: string): string | null {

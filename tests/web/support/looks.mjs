@@ -21,8 +21,8 @@ export function overlap(a, b) {
 export const findPoorTexts = (tab) =>
   tab.evaluate(() => {
     const parse = (colour) => {
-      const [r, g, b, a = 1] = colour.match(/[\d.]+%?/g).map((each) => (each.endsWith('%') ? parseFloat(each) / 100 : Number(each)));
-      return colour.startsWith('color(srgb') ? [255 * r, 255 * g, 255 * b, a] : [r, g, b, a];
+      const [r, g, b, a = 1] = colour.match(/[\d.]+/g).map(Number); // computed: rgb() or rgba()
+      return [r, g, b, a];
     };
     const blend = ([r, g, b, a], [R, G, B]) => [r * a + R * (1 - a), g * a + G * (1 - a), b * a + B * (1 - a)];
     const light = (colour) => {

@@ -27,10 +27,10 @@ export const hold = (tab, axes, ...buttons) =>
     [axes, buttons],
   );
 
-// Presses a button for two frames of the page, and lets it go for two.
+// Presses a button for two frames of the page at least, and lets it go for as many.
 export async function press(tab, button) {
   for (const buttons of [[button], []]) {
     await hold(tab, [0, 0, 0, 0], ...buttons);
-    await tab.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(done)))));
+    for (let frame = 0; frame < 3; ++frame) await tab.evaluate(() => new Promise(requestAnimationFrame));
   }
 }

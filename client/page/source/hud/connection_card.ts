@@ -102,7 +102,8 @@ export class ConnectionCard {
       case Stay.Password: {
         const hasShown = refused !== null && refused !== '';
         const happened = hasShown ? `That ${refused} does not hold, or too many were tried from your address.` : '';
-        const next = `${hasShown ? 'Wait 5 s and enter another one' : 'Enter it'}, or open the invite that you were sent.`;
+        const what = hasShown ? 'Wait 5 s and enter another one' : 'Enter it';
+        const next = `${what}, or open the invite that you were sent.`;
         return { title: 'This world asks for a password', happened, next };
       }
       case Stay.Full:
@@ -137,7 +138,7 @@ export class ConnectionCard {
       case Stay.Banned:
         return {
           title: 'You are banned here',
-          happened: detail === '' ? 'This world lets you in no more.' : `This world lets you in no more: “${detail}”.`,
+          happened: `This world lets you in no more${detail === '' ? '' : `: “${detail}”`}.`,
           next: 'Only its host can change that.',
         };
       case Stay.TooManyFromAddress:
@@ -167,7 +168,11 @@ export class ConnectionCard {
       case Stay.CutOff:
         return { title: 'The server hung up', happened: MakeSentence(lostReason), next: '' };
       case Stay.Refused:
-        return { title: hasPlayed ? 'The visit has ended' : 'Could not join', happened: MakeSentence(lostReason), next: '' };
+        return {
+          title: hasPlayed ? 'The visit has ended' : 'Could not join',
+          happened: MakeSentence(lostReason),
+          next: '',
+        };
     }
   }
 
@@ -192,8 +197,8 @@ export class ConnectionCard {
     if (except === this.m_listedFor) return;
     this.m_listedFor = except;
     const others = except === null ? [] : this.m_worlds.filter((world) => world !== except).slice(0, kMostOthers);
-    const buttons = others.map((world) => MakeButton(`Go to ${world}`, `Go to ${world}`, '', () => this.m_onWorld(world)));
-    this.m_others.replaceChildren(...buttons);
+    const make = (world: string) => MakeButton(`Go to ${world}`, `Go to ${world}`, '', () => this.m_onWorld(world));
+    this.m_others.replaceChildren(...others.map(make));
     this.m_others.hidden = others.length === 0;
   }
 }
