@@ -61,8 +61,9 @@ def list_jobs():
     jobs.append(("kill_nine_200_times", 45, release_build("programs") + [
         ["python3", "tests/net/kill_test.py", "build/release/bin", "build/release/tests/bases", "--kills", "200", "--bots",
          "32"]]))
-    jobs.append(("captures_of_all_scenes", 4, release_build("captures_test", "programs") + [
-        ["build/release/tests/captures_test"], ["node", "tests/web/browser_pictures_test.mjs"]]))
+    jobs.append(("captures_of_all_scenes", 9, release_build("captures_test", "programs") + [
+        ["build/release/tests/captures_test"], ["node", "tests/web/browser_pictures_test.mjs"],
+        ["node", "tests/web/states_pictures.mjs"]]))
     # `make test` has the libraries' unit tests, the corpora and the golden scenes under these sanitizers; here is all else:
     # the programs, the gateway, the soak, every test of the engine. In a folder of its own: the option would stay in the
     # cache of build/asan, and `make test` would miss the programs that it does not build.

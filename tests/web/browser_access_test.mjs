@@ -5,7 +5,7 @@ import os from 'node:os';
 import path from 'node:path';
 import { after, before } from 'node:test';
 
-import { openPage, outputFolder, pageFolder, startBrowser, waitForPlaying } from './support/browser.mjs';
+import { openPage, outputFolder, pageFolder, roomyScreen, startBrowser, waitForPlaying } from './support/browser.mjs';
 import { Program, startGateway, startServerOn, test, waitFor } from './support/programs.mjs';
 
 let browser;
@@ -33,6 +33,7 @@ const invite = async (socket) => /#invite=[\w-]+/.exec((await order(socket, 'inv
 const openWith = (host, fragment) =>
   openPage(browser, host, {
     query: `name=mira&quality=4${fragment}`,
+    viewport: roomyScreen,
     onTab: (tab) =>
       tab.addInitScript(() => {
         window.offered = [];
@@ -111,7 +112,7 @@ test('an invite lets in, leaves the address, and its ticket lets the tab back in
 
   const client = /^ *(\d+) mira/m.exec((await order(socket, 'players')).join('\n'))[1];
   await order(socket, 'kick', client, 'be', 'nice');
-  const card = late.tab.getByRole('status').filter({ hasText: 'Connection ended' });
+  const card = late.tab.getByRole('status').filter({ hasText: 'You were sent away' });
   await card.waitFor();
   assert.match(await card.innerText(), /be nice/);
   await late.tab.waitForTimeout(1000);
@@ -132,12 +133,12 @@ test('an owner comes by a link; who is one too many from an address, or banned, 
   assert.equal(new URL(first.tab.url()).hash, '');
   assert.match((await order(socket, 'players')).join('\n'), /mira +owner /);
   const second = await openWith(host, '');
-  await second.tab.getByText('Too many connections from this address.').waitFor();
+  await second.tab.getByText('Too many from your address').waitFor();
   await order(socket, 'ban', '127.0.0.1');
-  await first.tab.getByRole('status').filter({ hasText: 'Connection ended' }).waitFor();
+  await first.tab.getByText('You are banned here').waitFor();
   await first.leave();
   await second.tab.getByRole('button', { name: 'Join again' }).click();
-  await second.tab.getByText('Banned from this server.').waitFor();
+  await second.tab.getByText('You are banned here').waitFor();
   await second.tab.waitForTimeout(1000);
   assert.equal((await readOffered(second)).length, 2);
   await second.leave();

@@ -7,7 +7,7 @@ import os from 'node:os';
 import path from 'node:path';
 import { after, before } from 'node:test';
 
-import { openPage, outputFolder, pageFolder, probe, startBrowser, waitForPlaying } from './support/browser.mjs';
+import { openPage, outputFolder, pageFolder, probe, roomyScreen, startBrowser, waitForPlaying } from './support/browser.mjs';
 import { Program, startGateway, startServerOn, test, waitFor } from './support/programs.mjs';
 
 const kRecordings = new URL('../determinism/recordings/', import.meta.url).pathname;
@@ -32,7 +32,7 @@ const press = (place, name) => place.getByRole('button', { name, exact: true }).
 
 // Of who could not join.
 async function readCard(page) {
-  const card = page.tab.locator('.veil .card[role=status]');
+  const card = page.tab.locator('.veil .card');
   await waitFor('the card', async () => /Could not join/.test((await card.textContent()) ?? ''));
   return await card.textContent();
 }
@@ -40,7 +40,7 @@ async function readCard(page) {
 test('recordings are chosen, watched and wound in the page', async () => {
   const { program: server, address } = await startServerOn(0, '--scene', 'pair', '--untrained');
   const { program: gateway, host } = await startGateway(address, pageFolder, '--recordings', folder);
-  const page = await openPage(browser, host, { query: 'name=mira&quality=4' });
+  const page = await openPage(browser, host, { query: 'name=mira&quality=4', viewport: roomyScreen });
   await waitForPlaying(page.tab);
   const menu = page.tab.getByRole('navigation', { name: 'Worlds' });
   await menu.getByText('Recordings', { exact: true }).click();
@@ -101,7 +101,7 @@ test('the page goes along into the next scene and back', async () => {
   const options = ['--untrained', '--rotation', 'curtain,pair', '--admin-socket', socket];
   const { program: server, address } = await startServerOn(0, ...options);
   const { program: gateway, host } = await startGateway(address, pageFolder);
-  const page = await openPage(browser, host, { query: 'name=mira&quality=4' });
+  const page = await openPage(browser, host, { query: 'name=mira&quality=4', viewport: roomyScreen });
   await waitForPlaying(page.tab);
   const read = () => page.tab.evaluate(() => ({ ...window.wobble.state(), all: window.wobble.bodies() }));
   const first = await read();

@@ -7,7 +7,8 @@ import os from 'node:os';
 import path from 'node:path';
 import { after, before } from 'node:test';
 
-import { joinPage, openPage, outputFolder, pageFolder, startBrowser, waitForPlaying } from './support/browser.mjs';
+import { joinPage, openPage, outputFolder, pageFolder, roomyScreen, startBrowser, waitForPlaying }
+  from './support/browser.mjs';
 import { startGateway, startServerOn, test, waitFor } from './support/programs.mjs';
 
 const desktop = { width: 1280, height: 720 };
@@ -52,6 +53,7 @@ test('the link of a page on localhost has an address that others reach, and no s
   for (const [screens, isPhone] of [[[desktop], false], [[phone, lyingPhone], true]]) {
     const options = { viewport: screens[0], hasTouch: isPhone, isMobile: isPhone };
     const page = await joinPage(browser, host, { ...options, query: 'name=mira&quality=4&world=two' });
+    if (isPhone) await page.tab.getByRole('button', { name: /players and worlds$/ }).tap();
     await findButton(page).click();
     for (const screen of screens) {
       await page.tab.setViewportSize(screen);
@@ -76,7 +78,7 @@ test('the link of a page on localhost has an address that others reach, and no s
 test('by the keyboard: it opens, copies where the browser allows it, else marks the text, and closes', async () => {
   const { program: server, address } = await startPair();
   const { program: gateway, host } = await startGateway(address, pageFolder);
-  const page = await joinPage(browser, host, { permissions: ['clipboard-read', 'clipboard-write'] });
+  const page = await joinPage(browser, host, { viewport: roomyScreen, permissions: ['clipboard-read', 'clipboard-write'] });
   await findButton(page).focus();
   await page.tab.keyboard.press('Enter');
   await findDialog(page).waitFor();
@@ -93,7 +95,7 @@ test('by the keyboard: it opens, copies where the browser allows it, else marks 
   await page.leave();
 
   const [, port] = host.split(':');
-  const plain = await joinPage(browser, `play.example.org:${port}`);
+  const plain = await joinPage(browser, `play.example.org:${port}`, { viewport: roomyScreen });
   await findButton(plain).click();
   assert.equal(await plain.tab.getByRole('button', { name: 'Copy the link' }).isVisible(), false);
   assert.equal(await readMarked(plain), `http://play.example.org:${port}/`);
@@ -109,7 +111,7 @@ test('an owner puts an invite into the link, which lets in where nobody comes in
   const { program: gateway, host } = await startGateway(address, pageFolder);
   const [, port] = host.split(':');
   const owner = `name=mira&quality=4#owner=${fs.readFileSync(key, 'latin1').trim()}`;
-  const page = await joinPage(browser, `play.example.org:${port}`, { query: owner });
+  const page = await joinPage(browser, `play.example.org:${port}`, { query: owner, viewport: roomyScreen });
   await findButton(page).click();
   assert.doesNotMatch(await findLink(page).inputValue(), /#/);
   await page.tab.getByRole('button', { name: /^Add an invite/ }).click();
@@ -141,7 +143,7 @@ test('worlds elsewhere are links, and an https page plays over wss', async () =>
   const { program: server, address } = await startPair();
   const options = ['--tls-cert', files[0], '--tls-key', files[1], '--list', list];
   const { program: gateway, host } = await startGateway(address, pageFolder, ...options);
-  const page = await joinPage(browser, host, { scheme: 'https', ignoreHTTPSErrors: true });
+  const page = await joinPage(browser, host, { scheme: 'https', ignoreHTTPSErrors: true, viewport: roomyScreen });
   await waitFor('its lanes', () => page.requests.filter((url) => url === `wss://${host}/play`).length === 4);
   await page.tab.getByText('Elsewhere', { exact: true }).click();
   const link = page.tab.getByRole('link');
@@ -168,28 +170,6 @@ test('a world that is not there is not another one, and an invite to it is shown
   await waitForPlaying(page.tab);
   assert.equal(new URL(page.tab.url()).searchParams.get('world'), 'one');
   assert.deepEqual(page.complaints, []);
-  await page.leave();
-  await gateway.stop();
-  await server.stop();
-});
-
-test('the page says that a world is full, and that its server is silent', async () => {
-  const { program: server, address } = await startPair('--max-clients', '1');
-  const { program: gateway, host } = await startGateway(address, pageFolder);
-  const page = await joinPage(browser, host);
-  const late = await openPage(browser, host);
-  const card = late.tab.getByRole('status').filter({ hasText: 'Could not join' });
-  await card.waitFor();
-  assert.match(await card.innerText(), /full|places/i);
-  await late.tab.screenshot({ path: path.join(outputFolder, 'full.png') });
-  await late.leave();
-
-  server.process.kill('SIGSTOP');
-  await page.tab.getByText(/^The server has been silent for [23] s$/).waitFor();
-  await page.tab.screenshot({ path: path.join(outputFolder, 'silent.png') });
-  assert.equal(await page.tab.locator('.figures b').first().innerText(), '–');
-  server.process.kill('SIGCONT');
-  await waitFor('the line to go', async () => !(await page.tab.getByText(/^The server has been silent/).isVisible()));
   await page.leave();
   await gateway.stop();
   await server.stop();

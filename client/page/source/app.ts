@@ -1,41 +1,30 @@
 // Builds the parts of the page and connects them. A frame: receive, move the camera, show, draw. The folder client/page
 // holds the browser's client: three.js draws what the client library, compiled to WebAssembly, decodes.
-import { Connection, EventKind, readNow, type Client, type Runtime } from 'wobble-client';
-import type { Vector, Welcome, WorldEvent } from 'wobble-client';
+import { Connection, EventKind, readNow, type Client, type Runtime, type Welcome, type WorldEvent } from 'wobble-client';
 import { TakeFragment } from './fragment';
-import { Board } from './hud/board';
-import { BuildPanel } from './hud/build_panel';
-import { ConnectionCard } from './hud/connection_card';
-import { FilmPanel, kFilm } from './hud/film_panel';
-import { Help } from './hud/help';
-import { DescribeMatchEvent } from './hud/match_news';
-import { Hints } from './hud/hints';
-import { InvitePanel } from './hud/invite_panel';
-import { LinkChart } from './hud/link_chart';
-import { CutName, People } from './hud/people';
-import { TalkPanel } from './hud/talk';
-import { Toasts } from './hud/toasts';
-import { MakeButton, MakeElement, SetPressed } from './hud/element';
-import { ViewPanel } from './hud/view_panel';
-import { WorldMenu } from './hud/world_menu';
-import { WorldPanel } from './hud/world_panel';
-import { Keys, type Command } from './input/keys';
+import { Hud } from './hud/hud';
+import { CutName } from './hud/people';
+import { Controls } from './input/controls';
+import type { Command } from './input/keys';
 import { Picking } from './input/picking';
 import { Pointer } from './input/pointer';
-import { TouchControls } from './input/touch_controls';
 import { Inspector } from './inspector';
 import { KeepName, ReadName } from './names';
+import { DescribeEvent } from './news';
 import { Players } from './players';
 import { MakeProbe } from './probe';
 import { Arrows } from './scene/arrows';
 import { Arena } from './scene/arena';
 import { Bodies } from './scene/bodies';
 import { CameraMode, OrbitCamera } from './scene/camera';
+import { Survey } from './scene/crowd';
 import { Eyes } from './scene/eyes';
 import { Labels } from './scene/labels';
 import { Quality } from './scene/quality';
 import { FindIsSoftware, Stage } from './scene/stage';
+import { Veil } from './scene/veil';
 import { Sound } from './sound/sound';
+import { KeepSettings, ReadSettings } from './settings';
 import { Build } from './tools/build';
 import { Cut } from './tools/cut';
 import { Grab } from './tools/grab';
@@ -47,6 +36,7 @@ import { KeepWorld, ReadAskedWorld, ReadWorld, type Offer } from './worlds';
 
 const kFramesToJoin = 3;
 const kQuietFor = 2; // s after joining in which joins of others are not announced
+const kLongestFrame = 0.1; // s, that motion is computed for
 
 export class App {
   readonly connection: Connection;
@@ -54,56 +44,42 @@ export class App {
   readonly players = new Players();
   readonly bodies = new Bodies(this.players);
   readonly arena = new Arena();
-  readonly camera: OrbitCamera;
+  readonly camera = new OrbitCamera();
+  readonly veil = new Veil();
   readonly quality: Quality;
   welcome: Welcome | null = null; // welcome of the world that is shown
 
+  private readonly m_settings = ReadSettings();
+  private readonly m_calmAsked = window.matchMedia('(prefers-reduced-motion: reduce)');
   private readonly m_eyes: Eyes;
   private readonly m_labels: Labels;
-  private readonly m_keys = new Keys();
-  private readonly m_touch = new TouchControls();
-  private readonly m_worlds = new WorldMenu();
-  private readonly m_people: People;
-  private readonly m_invite: InvitePanel;
-  private readonly m_toasts = new Toasts();
   readonly sound = new Sound();
-  private readonly m_talk: TalkPanel;
-  private readonly m_chart = new LinkChart();
-  private readonly m_card: ConnectionCard;
-  private readonly m_board = new Board();
-  private readonly m_film = new FilmPanel();
-  private readonly m_hints = new Hints();
-  private readonly m_help = new Help();
-  private readonly m_view = new ViewPanel();
-  private readonly m_world: WorldPanel;
+  private readonly m_controls: Controls;
+  private readonly m_hud: Hud;
   private readonly m_inspector: Inspector;
   private readonly m_marks: Marks;
   private readonly m_build: Build;
-  private readonly m_buildPanel: BuildPanel;
   private readonly m_hands: HandTools;
   private readonly m_pointer: Pointer;
-  private readonly m_panelButtons: HTMLButtonElement[] = [];
+  private readonly m_survey = new Survey();
   private m_lastFrame = readNow();
   private m_missing: string; // name that the address asks for and the gateway does not have; nothing is joined then
   private m_newsFrom = 0;
-  private readonly m_middle: Vector = { x: 0, y: 0, z: 1 };
-  private m_spread = 8;
 
   // offer: what there is behind this gateway.
   constructor(runtime: Runtime, offer: Offer) {
     const query = new URLSearchParams(location.search);
     const canvas = document.querySelector<HTMLCanvasElement>('#world')!;
     const asked = query.get('quality');
-    const fixed = asked === null ? null : Number(asked);
+    const fixed = asked === null ? this.m_settings.quality : Number(asked);
     const isSoftware = FindIsSoftware();
     this.stage = new Stage(canvas, !isSoftware || fixed !== null);
     this.quality = new Quality(fixed, isSoftware, (level) => this.stage.ApplyQuality(level));
-    this.camera = new OrbitCamera(window.matchMedia('(prefers-reduced-motion: reduce)').matches);
+    this.camera.zoom = this.m_settings.zoom;
     this.stage.scene.add(this.arena.group, this.bodies.group);
     this.m_eyes = new Eyes(this.stage.scene);
     const labels = document.querySelector<HTMLElement>('#labels')!;
     this.m_labels = new Labels(labels);
-    this.m_talk = new TalkPanel(labels, this.sound.element, () => this.connection.playing);
 
     const world = ReadWorld(offer);
     this.m_missing = world === null ? ReadAskedWorld() : '';
@@ -115,35 +91,36 @@ export class App {
     });
     this.connection.onClient = () => this.Forget();
     this.TakeInvitation();
-    this.m_worlds.List(offer);
-    this.m_worlds.Show(this.connection.world);
-    this.m_invite = new InvitePanel(offer);
-    this.m_people = new People(this.connection.name, this.m_invite.button, this.m_worlds.element);
-    this.m_card = new ConnectionCard(
-      offer.worlds[0] ?? '',
-      () => this.connection.joinAgain(),
-      (first) => this.Enter(first),
-      (password) => {
-        this.connection.show({ password });
-        this.connection.joinAgain();
-      },
-    );
-    this.m_world = new WorldPanel(() => this.connection.playing);
-    this.m_inspector = new Inspector(this.m_view, new Arrows(this.stage.scene), this.players);
     this.m_marks = new Marks(document.querySelector<HTMLCanvasElement>('#marks')!);
     const bench = this.MakeBench();
     this.m_build = new Build(bench);
-    this.m_buildPanel = new BuildPanel(this.m_build);
     this.m_hands = new HandTools(bench, [new Grab(bench), new Cut(bench), new Push(bench), this.m_build]);
     this.m_pointer = new Pointer(canvas, this.camera, this.m_hands);
-    this.Wire();
-    this.BuildHud(document.querySelector<HTMLElement>('#hud')!);
-    window.addEventListener('resize', () => this.stage.Resize());
-    // A link that is opened in this tab changes the fragment alone.
-    window.addEventListener('hashchange', () => {
-      if (this.TakeInvitation()) this.connection.joinAgain();
+    this.m_controls = new Controls(this.camera, this.m_hands);
+    this.m_hud = new Hud({
+      offer,
+      connection: this.connection,
+      settings: this.m_settings,
+      isQualityFixed: asked !== null,
+      build: this.m_build,
+      labels,
+      sound: this.sound.element,
+      card: {
+        onJoin: () => this.connection.joinAgain(),
+        onWorld: (chosen) => this.Enter(chosen),
+        onPassword: (password) => {
+          this.connection.show({ password });
+          this.connection.joinAgain();
+        },
+      },
+      onCommand: (command) => this.Take(command),
     });
-    window.addEventListener('pagehide', () => this.connection.leave());
+    this.m_inspector = new Inspector(this.m_hud.view, new Arrows(this.stage.scene), this.players);
+    this.Wire();
+    const touch = [this.m_controls.touch.stick, this.m_controls.touch.buttons, this.m_controls.reticle.element];
+    this.m_hud.Append(document.querySelector<HTMLElement>('#hud')!, touch, this.m_hands.element);
+    this.Speak();
+    this.CalmDown();
   }
 
   Start(): void {
@@ -170,82 +147,97 @@ export class App {
   }
 
   private Wire(): void {
-    this.m_people.onRename = (name) => this.Rename(name);
-    this.m_people.onFollow = (clientId) => this.Follow(clientId);
-    this.m_worlds.onChoose = (world) => this.Enter(world);
-    this.m_invite.onOrder = (line) => this.connection.playing?.order(line);
-    this.m_keys.onCommand = (command) => this.Take(command);
-    const noteUse = (what: string) => this.m_hints.NoteUse(what);
-    this.m_keys.onUse = this.m_pointer.onUse = this.m_hands.onUse = noteUse;
+    this.m_hud.people.onRename = (name) => this.Rename(name);
+    this.m_hud.people.onFollow = (clientId) => this.Follow(clientId);
+    this.m_hud.worlds.onChoose = (world) => this.Enter(world);
+    this.m_hud.invite.onOrder = (line) => this.connection.playing?.order(line);
+    this.m_controls.onCommand = (command) => {
+      this.Take(command);
+      this.m_hud.menu.Unfold(command);
+    };
+    this.m_controls.watch.onChange = () => this.Speak();
+    const noteUse = (what: string) => this.m_hud.hints.NoteUse(what);
+    this.m_controls.onUse = this.m_pointer.onUse = this.m_hands.onUse = noteUse;
     this.m_hands.onClick = (body) => this.m_inspector.Choose(body);
     this.m_hands.onChoose = (tool) => {
-      if (tool !== null && this.welcome !== null) this.m_hints.Say(tool.name, tool.hint, readNow());
+      if (tool !== null && this.welcome !== null) this.m_hud.hints.Say(tool.name, tool.hints, readNow());
     };
-    this.m_view.onChange = () => (this.bodies.showsSurface = this.m_view.showsSurface);
+    this.m_hud.view.onChange = () => (this.bodies.showsSurface = this.m_hud.view.showsSurface);
+    this.m_hud.settings.onChange = () => {
+      this.quality.Fix(this.m_settings.quality);
+      this.CalmDown();
+    };
+    this.m_calmAsked.addEventListener('change', () => this.CalmDown());
+    window.addEventListener('resize', () => this.stage.Resize());
+    // A link that is opened in this tab changes the fragment alone.
+    window.addEventListener('hashchange', () => {
+      if (this.TakeInvitation()) this.connection.joinAgain();
+    });
+    window.addEventListener('pagehide', () => {
+      if (this.camera.zoom !== this.m_settings.zoom) KeepSettings({ ...this.m_settings, zoom: this.camera.zoom });
+      this.connection.leave();
+    });
   }
 
-  private BuildHud(hud: HTMLElement): void {
-    const middle = MakeElement('div', 'middle');
-    middle.append(this.m_board.element, this.m_board.banner, this.m_film.element, this.m_toasts.element);
-    const buttons = MakeElement('div', 'buttons');
-    const add = (text: string, label: string, key: string, command: Command) => {
-      const button = MakeButton(text, label, key, () => this.Take(command));
-      this.m_panelButtons.push(button);
-      buttons.append(button);
-    };
-    add('View', 'View: forces and springs', 'V', 'view');
-    add('World', 'World: gravity, stiffness, time', 'G', 'world');
-    add('Cam', 'Camera: follow, circle, free', 'C', 'camera');
-    add('?', 'All keys', '', 'help');
-    const corner = MakeElement('div', 'corner');
-    corner.append(this.m_chart.element, buttons, this.m_view.element, this.m_world.element);
-    const below = MakeElement('div', 'below');
-    below.append(this.m_hints.element, this.m_buildPanel.element, this.m_hands.element);
-    const touch = [this.m_touch.stick, this.m_touch.buttons];
-    hud.append(this.m_people.element, corner, middle, ...touch, below, this.m_card.element, this.m_help.element);
-    hud.append(this.m_talk.element, this.m_invite.element);
+  // In words of the device that is used now.
+  private Speak(): void {
+    const { device } = this.m_controls.watch;
+    this.m_hud.Speak(device);
+    this.m_hands.Speak(device);
+  }
+
+  private CalmDown(): void {
+    this.camera.isCalm = this.m_calmAsked.matches || this.m_settings.isCalm;
+    document.documentElement.toggleAttribute('data-calm', this.camera.isCalm);
   }
 
   private Take(command: Command): void {
     if (typeof command === 'object') {
-      if (!this.m_talk.TakeNumber(command.tool)) this.m_hands.Choose(command.tool);
+      if (!('tool' in command)) this.m_hands.ChooseNext(command.toolStep);
+      else if (!this.m_hud.talk.TakeNumber(command.tool)) this.m_hands.Choose(command.tool);
       return;
     }
     switch (command) {
       case 'say':
-        this.m_talk.Say();
-        return;
+        this.m_hud.talk.Say();
+        break;
       case 'emote':
-        this.m_talk.ShowEmotes();
-        return;
+        this.m_hud.talk.ShowEmotes();
+        break;
       case 'camera':
         this.camera.ChooseNextMode(this.players.ownBody !== 0 || this.players.followed !== 0);
-        this.m_toasts.Add(`camera: ${this.camera.mode}`);
+        this.m_hud.toasts.Add(`camera: ${this.camera.mode}`);
         break;
       case 'view':
-        this.m_view.element.hidden = !this.m_view.element.hidden;
+      case 'settings':
+        this.m_hud.menu.Toggle(command);
         break;
       case 'world':
-        this.m_world.element.hidden = !this.m_world.element.hidden || this.m_world.may === 0;
-        if (this.m_world.may === 0) this.m_toasts.Add('This scene does not allow changes to the world', true);
+        if (this.m_hud.MayTune(this.players)) this.m_hud.menu.Toggle(command);
+        else this.m_hud.toasts.Add('This scene does not allow changes to the world', true);
         break;
       case 'surface':
-        this.m_view.ToggleSurface();
+        this.m_hud.view.ToggleSurface();
         break;
-      case 'help':
-        this.m_help.Toggle();
+      case 'fullscreen':
+        this.m_hud.menu.ToggleFullscreen();
         break;
+      case 'help': {
+        const hasBody = this.players.ownBody !== 0;
+        const mayTune = this.m_hud.MayTune(this.players);
+        this.m_hud.help.Toggle({ hasBody, hasTools: this.m_hands.active !== null, mayTune });
+        this.m_hud.menu.drawer.Open(false);
+        break;
+      }
       case 'remove':
         this.m_build.Remove();
         break;
       case 'escape':
-        this.m_help.element.hidden = this.m_view.element.hidden = this.m_world.element.hidden = true;
+        this.m_hud.CloseAll();
         this.m_build.Drop();
-        this.m_talk.Close();
+        document.querySelector<HTMLElement>('#world')!.focus({ preventScroll: true });
         break;
     }
-    SetPressed(this.m_panelButtons[0], !this.m_view.element.hidden);
-    SetPressed(this.m_panelButtons[1], !this.m_world.element.hidden);
   }
 
   // Whether the address had one. One to a world that is not here is shown to no other.
@@ -259,7 +251,7 @@ export class App {
   private Enter(world: string): void {
     if (world === this.connection.world && this.m_missing === '') return;
     KeepWorld(world);
-    this.m_worlds.Show(world);
+    this.m_hud.worlds.Show(world);
     this.m_missing = '';
     this.connection.world = world;
     this.connection.joinAgain();
@@ -272,10 +264,9 @@ export class App {
 
   private Rename(name: string): void {
     KeepName(name);
-    if (this.connection.playing === null) {
-      this.connection.name = name;
-      this.connection.joinAgain();
-    } else this.connection.rename(name);
+    if (this.connection.playing !== null) return this.connection.rename(name);
+    this.connection.name = name;
+    this.connection.joinAgain();
   }
 
   // Clears all state of the world before, be it of another connection or another scene.
@@ -283,13 +274,10 @@ export class App {
     this.welcome = null;
     this.players.Clear();
     this.bodies.Clear();
-    this.m_chart.Clear();
+    this.veil.Clear();
     this.m_inspector.Clear();
-    this.m_invite.Clear();
-    this.m_board.Hide();
-    this.m_film.Hide();
-    this.m_talk.Begin(null);
     this.sound.Clear();
+    this.m_hud.Clear();
   }
 
   private DrawFrame(): void {
@@ -298,54 +286,43 @@ export class App {
     this.m_lastFrame = now;
     this.quality.NoteFrame(now, seconds);
     this.connection.update();
-    this.m_card.Update(this.connection, this.m_missing);
+    this.m_hud.card.Update(this.connection, this.m_missing);
     const client = this.connection.playing;
-    if (client !== null) this.ShowWorld(client, now, Math.min(seconds, 0.1));
+    const hasTool = this.m_hands.active !== null;
+    this.m_controls.Update(client, this.players.ownBody !== 0, hasTool, Math.min(seconds, kLongestFrame));
+    if (client !== null) this.ShowWorld(client, now, Math.min(seconds, kLongestFrame));
     else this.Wait(seconds);
     this.m_marks.Draw(now);
     this.stage.Render();
   }
 
-  // Draws the sky while there is no world. The card says why, and nothing may lie over it.
+  // Draws the sky while there is no world.
   private Wait(seconds: number): void {
-    this.m_invite.Close();
-    this.camera.Update(seconds, null, this.m_middle, this.m_spread);
+    this.m_hud.Wait();
+    this.m_hands.element.hidden = true;
+    this.camera.Update(seconds, null, this.m_survey);
     this.camera.Apply(this.stage.camera);
-    this.m_hands.element.hidden = this.m_buildPanel.element.hidden = true;
   }
 
   private ShowWorld(client: Client, now: number, seconds: number): void {
     this.Welcome(client);
     for (let event = client.takeEvent(); event !== null; event = client.takeEvent()) this.NoteEvent(event);
-    for (let text = client.takeNotice(); text !== null; text = client.takeNotice()) {
-      const isTaken = this.m_film.TakeNotice(text) || this.m_invite.TakeNotice(text) || this.m_talk.TakeNotice(text);
-      if (!isTaken) this.m_toasts.Add(text, true);
-    }
-    client.setPredicts(this.m_view.predicts);
-    this.MoveBody(client, seconds);
+    for (let text = client.takeNotice(); text !== null; text = client.takeNotice()) this.m_hud.Tell(text);
+    client.setPredicts(this.m_hud.view.predicts);
     client.sample();
     this.bodies.selectedParticle = this.m_build.selectedParticle;
     this.bodies.selectedSpring = this.m_build.selectedSpring;
-    this.bodies.Update(client);
+    this.bodies.Update(client, this.veil.bodies, seconds);
     this.m_eyes.Update(client, this.players, now, seconds, this.bodies.showsSurface);
-    this.MoveCamera(client, seconds);
+    this.MoveCamera(client, now, seconds);
     this.m_hands.Update();
     this.m_inspector.Update(client);
-    this.UpdateHud(client, now);
-  }
-
-  private UpdateHud(client: Client, now: number): void {
     this.m_labels.Update(client, this.players, this.stage.camera, window.innerWidth, window.innerHeight);
-    this.m_chart.Update(client, this.connection.ping, this.connection.findSilence(), now);
-    this.m_people.Update(this.welcome!, this.players);
-    this.m_talk.Update(client, this.players, this.stage.camera, now);
+    this.m_hud.talk.Update(client, this.players, this.stage.camera, now);
     const right = this.camera.ToWorld(1, 0);
     this.sound.Update(client, this.players, { ...this.camera.focus, rightX: right.x, rightY: right.y }, now);
-    this.m_buildPanel.Update(this.m_hands.active === this.m_build);
-    this.m_world.Update(this.camera.yaw);
-    this.m_hints.Update(now);
-    if (this.welcome!.game === kFilm) this.m_film.Update(client, now);
-    else if (this.welcome!.game !== '') this.m_board.Update(client, this.welcome!.game, this.players, now);
+    const builds = this.m_hands.active === this.m_build;
+    this.m_hud.Update(client, this.welcome!, this.players, this.camera.yaw, builds, now);
   }
 
   private Welcome(client: Client): void {
@@ -355,90 +332,38 @@ export class App {
     this.welcome = welcome;
     this.m_newsFrom = readNow() + kQuietFor;
     document.title = `${welcome.scene} · wobble`;
-    this.m_invite.Update(this.connection.world, welcome);
-    this.m_talk.Begin(welcome);
+    this.m_hud.Begin(welcome, readNow());
     this.arena.Build(welcome.obstacles, welcome.grounds, welcome.game);
+    this.camera.solids = welcome;
     this.players.NoteOwn(welcome.clientId, welcome.ownBody, this.connection.name);
-    this.camera.Reset(welcome.ownBody !== 0 ? CameraMode.Follow : CameraMode.Orbit);
-    this.m_hands.Allow(welcome.game === kFilm ? 0 : welcome.hands);
-    this.m_hints.Begin(welcome.ownBody !== 0, this.m_hands.Allowed());
+    const hasBody = welcome.ownBody !== 0;
+    const isFollowing = this.m_settings.camera === CameraMode.Follow;
+    this.camera.Reset(hasBody ? this.m_settings.camera : isFollowing ? CameraMode.Orbit : this.m_settings.camera);
+    // Who only watches has no hands.
+    this.m_hands.Allow(hasBody ? welcome.hands : 0);
+    this.m_hud.hints.Begin(hasBody, this.m_hands.Allowed());
   }
 
   private NoteEvent(event: WorldEvent): void {
-    const isNew = event.kind === EventKind.Join && !this.players.all.has(event.clientId);
-    if (event.kind === EventKind.Leave) this.m_toasts.Add(`${this.players.FindName(event.clientId)} left`);
-    if (event.kind === EventKind.Fall) this.m_toasts.Add(this.DescribeFall(event));
-    if (event.kind === EventKind.Rename) this.NoteRename(event);
-    const news = DescribeMatchEvent(event, this.players);
-    if (news !== '') this.m_toasts.Add(news);
+    const news = DescribeEvent(event, this.players, readNow() <= this.m_newsFrom);
     this.players.NoteEvent(event);
+    if (news !== null) this.m_hud.toasts.Add(news);
     const isOwn = event.clientId === this.players.ownClient;
-    if (isOwn && (event.kind === EventKind.Join || event.kind === EventKind.Rename)) this.m_people.TakeOwnName(event.name);
-    this.m_talk.NoteEvent(event, this.players, readNow());
+    if (isOwn && (event.kind === EventKind.Join || event.kind === EventKind.Rename)) this.m_hud.people.TakeOwnName(event.name);
+    this.m_hud.talk.NoteEvent(event, this.players, readNow());
     this.sound.NoteEvent(event);
-    // Join events also arrive for players who were there before.
-    const isNews = isNew && event.clientId !== this.players.ownClient && readNow() > this.m_newsFrom;
-    if (isNews) this.m_toasts.Add(`${event.name} joined`);
   }
 
-  private NoteRename(event: WorldEvent): void {
-    if (event.clientId !== this.players.ownClient) this.m_toasts.Add(`${this.players.FindName(event.clientId)} is ${event.name} now`);
-  }
-
-  private DescribeFall(event: WorldEvent): string {
-    const fallen = this.players.FindByBody(event.body);
-    const isOwn = event.body !== 0 && event.body === this.players.ownBody;
-    const name = fallen?.name ?? event.name;
-    if (event.clientId === 0) return isOwn ? 'You fell off' : `${name} fell off`;
-    if (event.clientId === this.players.ownClient) return `You pushed ${name} off`;
-    const pusher = this.players.FindName(event.clientId);
-    return isOwn ? `${pusher} pushed you off` : `${pusher} pushed ${name} off`;
-  }
-
-  private MoveBody(client: Client, seconds: number): void {
-    const keys = this.m_keys;
-    const touch = this.m_touch;
-    const right = keys.Read('right') - keys.Read('left') + touch.moveX;
-    const forward = keys.Read('forward') - keys.Read('back') + touch.moveY;
-    const length = Math.max(1, Math.hypot(right, forward));
-    const held = (action: string) => keys.Read(action) + touch.Read(action) > 0;
-    if (this.camera.mode === CameraMode.Free) {
-      this.camera.Fly(right / length, forward / length, keys.Read('jump') - keys.Read('stiffen'), seconds);
-      client.setInput({ moveX: 0, moveY: 0, jump: false, puff: false, stiffen: false });
-      return;
-    }
-    const move = this.camera.ToWorld(right / length, forward / length);
-    client.setInput({ moveX: move.x, moveY: move.y, jump: held('jump'), puff: held('puff'), stiffen: held('stiffen') });
-  }
-
-  private MoveCamera(client: Client, seconds: number): void {
-    this.FindMiddle(client, seconds);
+  private MoveCamera(client: Client, now: number, seconds: number): void {
+    this.m_survey.Update(client, seconds);
+    this.camera.aspect = this.stage.camera.aspect;
     const watched = client.findBody(this.players.FindWatchedBody());
-    this.camera.Update(seconds, watched, this.m_middle, this.m_spread);
+    const size = watched === null ? 0 : client.findBlueprint(watched.blueprint).size;
+    const own = watched === null ? null : { x: watched.x, y: watched.y, z: watched.z, size };
+    this.camera.Update(seconds, own, this.m_survey);
     this.camera.Apply(this.stage.camera);
+    this.veil.Update(client, this.camera.FindEye(), this.camera.mode === CameraMode.Follow ? watched : null, now);
     const focus = this.camera.focus;
     this.stage.FocusLight(focus.x, focus.y, focus.z, this.camera.distance);
-  }
-
-  private FindMiddle(client: Client, seconds: number): void {
-    const count = client.bodyCount;
-    if (count === 0) return;
-    let x = 0;
-    let y = 0;
-    let z = 0;
-    for (let i = 0; i < count; ++i) {
-      x += client.bodies[i].x / count;
-      y += client.bodies[i].y / count;
-      z += client.bodies[i].z / count;
-    }
-    let square = 0;
-    for (let i = 0; i < count; ++i) {
-      square += ((client.bodies[i].x - x) ** 2 + (client.bodies[i].y - y) ** 2) / count;
-    }
-    const share = 1 - Math.exp(-seconds);
-    this.m_middle.x = x;
-    this.m_middle.y = y;
-    this.m_middle.z = z;
-    this.m_spread += (2 * Math.sqrt(square) + 3 - this.m_spread) * share;
   }
 }

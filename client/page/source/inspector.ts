@@ -60,8 +60,8 @@ export class Inspector {
   }
 
   private Describe(client: Client, body: number): string {
-    if (body === 0) return 'Click a body to see its forces';
-    if (body === this.m_players.ownBody) return 'On your body. Click another one to see its forces';
+    if (body === 0) return 'Press a body to see its forces';
+    if (body === this.m_players.ownBody) return 'On your body. Press another one to see its forces';
     const found = client.findBody(body);
     const player = this.m_players.FindByBody(body);
     const name = player?.name ?? (found === null ? '' : client.findBlueprint(found.blueprint).name);

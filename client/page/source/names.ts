@@ -1,4 +1,6 @@
 // Makes a name for a player without one, and keeps it in the browser's storage.
+import { Keep, ReadKept } from './storage';
+
 const kFirst = [
   'Merry',
   'Jolly',
@@ -36,21 +38,13 @@ function Choose(from: string[]): string {
 export function ReadName(): string {
   const asked = new URLSearchParams(location.search).get('name');
   if (asked !== null && asked !== '') return asked;
-  try {
-    const kept = localStorage.getItem(kKey);
-    if (kept !== null && kept !== '') return kept;
-  } catch {
-    // Without storage the player gets a new name each time.
-  }
+  const kept = ReadKept(kKey);
+  if (kept !== null && kept !== '') return kept;
   const name = `${Choose(kFirst)} ${Choose(kSecond)}`;
   KeepName(name);
   return name;
 }
 
 export function KeepName(name: string): void {
-  try {
-    localStorage.setItem(kKey, name);
-  } catch {
-    // Without storage the name is not kept.
-  }
+  Keep(kKey, name);
 }

@@ -11,6 +11,9 @@ export interface Probe {
     ownBody: number;
     watched: number; // body that the camera follows
     focus: Vector; // of the camera
+    eye: Vector;
+    yaw: number; // rad
+    veiled: number[]; // bodies that are see-through
     players: string[];
     bodies: number;
     frameMs: number;
@@ -57,6 +60,9 @@ export function MakeProbe(app: App): Probe {
       ownBody: app.players.ownBody,
       watched: app.players.FindWatchedBody(),
       focus: { ...app.camera.focus },
+      eye: app.camera.FindEye(),
+      yaw: app.camera.yaw,
+      veiled: [...app.veil.bodies],
       players: [...app.players.all.values()].map((player) => player.name),
       bodies: client()?.bodyCount ?? 0,
       frameMs: Math.round(1000 * app.quality.frameTime),

@@ -15,7 +15,8 @@ const binFolder = process.env.WOBBLE_BIN_DIR ?? path.resolve('build/release/bin'
 export const pageFolder = path.join(binFolder, 'page');
 // Folder for files that people may want to look at.
 export const outputFolder = process.env.WOBBLE_OUTPUT ?? path.resolve('build/release/tests/web');
-const smallScreen = { width: 640, height: 400 };
+const smallScreen = { width: 640, height: 400 }; // people and menu are folded
+export const roomyScreen = { width: 800, height: 500 }; // nothing is
 
 export const startBrowser = () =>
   chromium.launch({

@@ -53,7 +53,7 @@ export class BuildPanel {
     this.m_joins = MakeButton('Join to the last', 'A new particle is joined to the selected one', '', () => {
       tool.joinsNew = !tool.joinsNew;
     });
-    const flags = MakeElement('div', 'row');
+    const flags = MakeElement('div', 'row flags');
     flags.append(this.m_pinned, this.m_joins);
     const sliders = [this.m_mass, this.m_stiffness, this.m_damping, this.m_length].map((each) => each.element);
     this.element.append(actions, this.m_title, flags, ...sliders);
@@ -87,15 +87,15 @@ export class BuildPanel {
     if (spring !== null) return `spring ${spring.number}`;
     switch (this.m_tool.action) {
       case BuildAction.Add:
-        return 'Click to place the next particle';
+        return 'Press to place the next particle';
       case BuildAction.Join:
-        return 'Click one particle, then another: a spring joins them';
+        return 'Press one particle, then another: a spring joins them';
       case BuildAction.Pin:
-        return 'Click a particle to pin or release it';
+        return 'Press a particle to pin or release it';
       case BuildAction.Remove:
-        return 'Click a particle or a spring to remove it';
+        return 'Press a particle or a spring to remove it';
       case BuildAction.Select:
-        return 'Click a particle or a spring to tune it';
+        return 'Press a particle or a spring to tune it';
     }
   }
 

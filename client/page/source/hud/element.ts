@@ -11,19 +11,33 @@ export function MakeElement<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
+// The style sheet shows the key beside the text; screen readers are told it apart from the label.
+export function ShowKey(button: HTMLButtonElement, key: string): void {
+  button.dataset.key = key;
+  button.setAttribute('aria-keyshortcuts', key);
+}
+
 // label: for screen readers. key: shown beside the text; empty: none.
 export function MakeButton(text: string, label: string, key: string, onClick: () => void): HTMLButtonElement {
   const button = MakeElement('button', '', text);
   button.type = 'button';
   button.setAttribute('aria-label', label);
   button.title = key === '' ? label : `${label} (${key})`;
-  if (key !== '') button.append(' ', MakeElement('kbd', '', key));
+  if (key !== '') ShowKey(button, key);
   button.addEventListener('click', () => {
     onClick();
     // Without this the space bar, which jumps, would press the button again.
     if (document.activeElement === button && !button.matches(':focus-visible')) button.blur();
   });
   return button;
+}
+
+// Over all the page, with the focus inside until it is closed, which Escape does. The keys of the world do not act.
+export function MakeDialog(className: string, label: string): HTMLDialogElement {
+  const dialog = MakeElement('dialog', className);
+  dialog.setAttribute('aria-label', label);
+  dialog.addEventListener('keydown', (event) => event.stopPropagation());
+  return dialog;
 }
 
 export function SetPressed(button: HTMLButtonElement, isPressed: boolean): void {

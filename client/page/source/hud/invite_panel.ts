@@ -94,7 +94,7 @@ export class InvitePanel {
     this.element.addEventListener('keydown', (event) => event.stopPropagation());
   }
 
-  private Open(): void {
+  Open(): void {
     this.Show(this.m_secret === '' ? Describe(this.m_offer) : '');
     this.element.showModal();
     this.m_link.focus();

@@ -1,12 +1,10 @@
-// The quality of the connection: ping, display delay, rate and stalls over the last minute, as lines and figures, and
-// whether the server keeps up or is silent.
+// The quality of the connection: ping, display delay, rate and stalls over the last minute, as lines and figures.
 import type { Client } from 'wobble-client';
 import { MakeElement, SetText } from './element';
 
 const kEvery = 0.5; // s
 const kSamples = 120; // one minute
 const kRateOver = 2; // samples
-const kSilence = 1.5; // s without a word of the server, after which people are told; it ends the connection after 8
 
 interface Series {
   name: string;
@@ -24,12 +22,11 @@ export class LinkChart {
   readonly element = MakeElement('div', 'panel link');
   private readonly m_canvas = MakeElement('canvas');
   private readonly m_figures: HTMLElement[] = [];
-  private readonly m_slow = MakeElement('div', 'slow');
   private readonly m_series = [
     MakeSeries('ping', '#ffd166', 80, (value) => `${value.toFixed(0)} ms`),
     MakeSeries('delay', '#7ee0c3', 200, (value) => `${value.toFixed(0)} ms`),
     MakeSeries('kbit/s', '#8ecbff', 300, (value) => value.toFixed(0)),
-    MakeSeries('stalls', '#ff8f8f', 4, (value) => value.toFixed(0)),
+    MakeSeries('stalls', '#ffa3a3', 4, (value) => value.toFixed(0)),
   ];
   private readonly m_bytes = new Float64Array(kRateOver);
   private m_next = 0;
@@ -48,9 +45,7 @@ export class LinkChart {
     }
     this.m_canvas.setAttribute('role', 'img');
     this.m_canvas.setAttribute('aria-label', 'Ping, delay, rate and stalls over the last minute');
-    this.m_slow.setAttribute('role', 'status');
-    this.m_slow.hidden = true;
-    this.element.append(figures, this.m_slow, this.m_canvas);
+    this.element.append(figures, this.m_canvas);
   }
 
   // Starts anew for another connection.
@@ -60,19 +55,11 @@ export class LinkChart {
     for (const series of this.m_series) series.values.fill(NaN);
   }
 
-  // ping, silence: s.
-  Update(client: Client, ping: number, silence: number, now: number): void {
+  // ping: s. A ping from before the silence would say that all is well.
+  Update(client: Client, ping: number, isSilent: boolean, now: number): void {
     if (now < this.m_next) return;
     this.m_next = now + kEvery;
-    const { bytesReceived, delay, stalls, pace } = client.readStatistics();
-    const isSilent = silence > kSilence;
-    this.m_slow.hidden = pace === 1 && !isSilent;
-    SetText(
-      this.m_slow,
-      isSilent
-        ? `The server has been silent for ${silence.toFixed(0)} s`
-        : `The server is overloaded: time runs at ${(100 * pace).toFixed(0)} %`,
-    );
+    const { bytesReceived, delay, stalls } = client.readStatistics();
     const slot = this.m_samples % kRateOver;
     const bytes = this.m_samples < kRateOver ? NaN : bytesReceived - this.m_bytes[slot];
     this.m_bytes[slot] = bytesReceived;

@@ -1,14 +1,16 @@
-// The name of the scene and of its players. The player's own name comes first and can be edited.
-import { MakeBodyColour, MakeOwnColour } from '../scene/colours';
+// The name of the scene and of its players. The player's own name comes first and can be edited. Short and narrow
+// screens fold all of it behind a button with the scene's name.
 import type { Welcome } from 'wobble-client';
+import { MakeBodyColour, MakeOwnColour } from '../scene/colours';
 import type { Player, Players } from '../players';
+import { Drawer } from './drawer';
 import { MakeButton, MakeElement, SetPressed, SetText } from './element';
 
 const kMostShown = 12;
 const kMaxNameBytes = 32;
 
 export class People {
-  readonly element = MakeElement('section', 'panel people');
+  readonly drawer: Drawer;
   onRename: (name: string) => void = () => {};
   onFollow: (clientId: number) => void = () => {}; // of who has no body
   private readonly m_scene = MakeElement('span');
@@ -21,7 +23,8 @@ export class People {
 
   // Both are shown at the top. menu: of the worlds.
   constructor(name: string, invite: HTMLElement, menu: HTMLElement) {
-    this.element.setAttribute('aria-label', 'Scene and players');
+    const element = MakeElement('section', 'panel people');
+    element.setAttribute('aria-label', 'Scene and players');
     const title = MakeElement('div', 'scene');
     title.append(this.m_scene, this.m_count);
     this.m_name.value = name;
@@ -34,9 +37,12 @@ export class People {
       event.stopPropagation();
       if (event.key === 'Enter' || event.key === 'Escape') this.m_name.blur();
     });
+    const self = MakeElement('ul');
     const own = MakeElement('li');
+    self.append(own);
     own.append(this.m_dot, this.m_name);
-    this.element.append(invite, menu, title, this.m_about, own, this.m_list);
+    element.append(invite, menu, title, this.m_about, self, this.m_list);
+    this.drawer = new Drawer('left', 'players and worlds', 'wobble', element);
   }
 
   // The name that the server gives the player.
@@ -47,6 +53,7 @@ export class People {
   Update({ scene, description }: Welcome, players: Players): void {
     SetText(this.m_scene, scene);
     if (this.m_about.title !== description) this.m_about.title = this.m_about.textContent = description;
+    this.drawer.SetText(`${scene} · ${players.all.size}`);
     if (this.m_revision === players.revision) return;
     this.m_revision = players.revision;
     this.m_dot.style.setProperty('--player', `#${MakeBodyColour(players, players.ownBody).getHexString()}`);
@@ -62,6 +69,16 @@ export class People {
     if (others.length > kMostShown) {
       this.m_list.append(MakeElement('li', 'note', `and ${others.length - kMostShown} more`));
     }
+  }
+
+  // There is no world. name: of the one that is asked for.
+  Leave(name: string): void {
+    this.m_revision = -1;
+    SetText(this.m_scene, '');
+    this.m_about.title = this.m_about.textContent = '';
+    SetText(this.m_count, '');
+    this.m_list.replaceChildren();
+    this.drawer.SetText(name);
   }
 
   private MakeName(player: Player, players: Players): HTMLElement {

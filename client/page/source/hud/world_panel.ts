@@ -120,7 +120,7 @@ export class WorldPanel {
         this.m_findClient()?.tune(TuneKind.Jump, { x: seconds, y: 0, z: 0 }),
       );
     const row = MakeElement('div', 'row');
-    row.append(MakeElement('span', 'note', 'jump in time'), jump(1), jump(5));
+    row.append(MakeElement('span', 'note', 'jump'), jump(1), jump(5));
     this.m_time.append(this.m_rate.element, row);
   }
 

@@ -1,8 +1,18 @@
-// The keyboard: held keys become the body's input, all others act once.
+// The keyboard: held keys act as long as they are held, all others once.
 export type Command =
+  | 'camera'
+  | 'view'
+  | 'world'
+  | 'settings'
+  | 'fullscreen'
+  | 'help'
+  | 'surface'
+  | 'escape'
+  | 'remove'
   | 'say'
   | 'emote'
-  | 'camera' | 'view' | 'world' | 'help' | 'surface' | 'escape' | 'remove' | { tool: number };
+  | { tool: number }
+  | { toolStep: number };
 
 const kHeld: Record<string, string> = {
   KeyW: 'forward',
@@ -17,6 +27,11 @@ const kHeld: Record<string, string> = {
   KeyE: 'puff',
   KeyP: 'puff',
   KeyF: 'stiffen',
+  Comma: 'lookLeft',
+  Period: 'lookRight',
+  PageUp: 'nearer',
+  PageDown: 'farther',
+  KeyU: 'use',
 };
 const kCommands: Record<string, Command> = {
   KeyC: 'camera',
@@ -58,14 +73,14 @@ export class Keys {
 
   private Press(event: KeyboardEvent): void {
     if (event.ctrlKey || event.metaKey || event.altKey || IsWriting(event.target)) return;
-    const isOnButton = event.target instanceof HTMLButtonElement && (event.code === 'Space' || event.code === 'Enter');
-    if (isOnButton) return;
+    const isPress = event.code === 'Space' || event.code === 'Enter';
+    if (isPress && IsPressable(event.target)) return;
     const action = kHeld[event.code];
-    const isSlider = event.target instanceof HTMLInputElement && event.code.startsWith('Arrow');
+    const isSlider = IsChooser(event.target) && event.code.startsWith('Arrow');
     if (action !== undefined && !isSlider) {
       event.preventDefault();
       this.m_held.add(event.code);
-      this.onUse(action === 'jump' || action === 'puff' || action === 'stiffen' ? action : 'move');
+      this.onUse(FindUse(action));
       return;
     }
     const command = event.key === '?' ? 'help' : kCommands[event.code];
@@ -75,6 +90,22 @@ export class Keys {
   }
 }
 
-function IsWriting(target: EventTarget | null): boolean {
+// As hints name it.
+function FindUse(action: string): string {
+  if (['forward', 'back', 'left', 'right'].includes(action)) return 'move';
+  return action.startsWith('look') ? 'look' : action;
+}
+
+export function IsWriting(target: EventTarget | null): boolean {
   return target instanceof HTMLInputElement && target.type !== 'range' && target.type !== 'checkbox';
+}
+
+// What the space bar and Enter press.
+function IsPressable(target: EventTarget | null): boolean {
+  return target instanceof Element && target.closest('button, summary, select, a, input') !== null;
+}
+
+// What the arrow keys change.
+function IsChooser(target: EventTarget | null): boolean {
+  return target instanceof HTMLInputElement || target instanceof HTMLSelectElement;
 }

@@ -167,7 +167,7 @@ function FindAway(floats: Float32Array, at: number, point: Vector): number {
 }
 
 // Möller and Trumbore 1997: distance along the ray to the triangle, from either side; Infinity: no hit.
-function HitTriangle(ray: Ray, floats: Float32Array, first: number, a: number, b: number, c: number): number {
+export function HitTriangle(ray: Ray, floats: Float32Array, first: number, a: number, b: number, c: number): number {
   const { origin: o, direction: d } = ray;
   const at = first + 3 * a;
   const bt = first + 3 * b;

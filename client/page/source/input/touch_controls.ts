@@ -1,4 +1,4 @@
-// A stick on the left and round buttons on the right, for touch; they appear with the first touch.
+// A stick on the left and round buttons on the right, for touch.
 import { MakeElement } from '../hud/element';
 
 const kActions = [
@@ -19,6 +19,7 @@ export class TouchControls {
 
   constructor() {
     this.stick.append(this.m_knob);
+    this.stick.setAttribute('role', 'img');
     this.stick.setAttribute('aria-label', 'Move');
     this.stick.addEventListener('pointerdown', (event) => this.PressStick(event));
     this.stick.addEventListener('pointermove', (event) => this.MoveStick(event));
@@ -26,16 +27,18 @@ export class TouchControls {
       this.stick.addEventListener(end, () => this.ReleaseStick());
     }
     for (const [action, text] of kActions) this.buttons.append(this.MakeRound(action, text));
-    this.Show(window.matchMedia('(pointer: coarse)').matches);
-    window.addEventListener('touchstart', () => this.Show(true), { once: true, passive: true });
+    this.Show(false, false);
   }
 
   Read(action: string): number {
     return this.m_held.has(action) ? 1 : 0;
   }
 
-  private Show(isShown: boolean): void {
-    this.stick.hidden = this.buttons.hidden = !isShown;
+  Show(hasStick: boolean, hasButtons: boolean): void {
+    if (!hasStick && !this.stick.hidden) this.ReleaseStick();
+    this.stick.hidden = !hasStick;
+    if (!hasButtons) this.m_held.clear();
+    this.buttons.hidden = !hasButtons;
   }
 
   private MakeRound(action: string, text: string): HTMLButtonElement {

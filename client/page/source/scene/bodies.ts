@@ -35,7 +35,8 @@ export class Bodies {
     this.m_lengths.clear();
   }
 
-  Update(client: Client): void {
+  // veiled: numbers of the bodies that are see-through. seconds: since the last call.
+  Update(client: Client, veiled: ReadonlySet<number>, seconds: number): void {
     this.m_round += 1;
     this.m_springs.Clear();
     this.m_isFine = client.bodyCount <= kMostFine;
@@ -44,15 +45,18 @@ export class Bodies {
     for (let i = 0; i < client.bodyCount; ++i) {
       const body = client.bodies[i];
       const blueprint = client.findBlueprint(body.blueprint);
-      if (blueprint.faces.length > 0) this.UpdateShape(body, blueprint, floats, isDressed);
-      else this.AddSprings(body, blueprint, floats);
+      if (blueprint.faces.length > 0) {
+        this.UpdateShape(body, blueprint, floats, isDressed).Veil(veiled.has(body.body), seconds);
+      } else {
+        this.AddSprings(body, blueprint, floats);
+      }
     }
     this.m_dressing = this.m_players.revision;
     for (const [number, shape] of this.m_shapes) if (shape.round !== this.m_round) this.Remove(number, shape);
     this.m_springs.Show();
   }
 
-  private UpdateShape(body: Body, blueprint: Blueprint, floats: Float32Array, isDressed: boolean): void {
+  private UpdateShape(body: Body, blueprint: Blueprint, floats: Float32Array, isDressed: boolean): BodyShape {
     let shape = this.m_shapes.get(body.body);
     if (shape === undefined) {
       shape = new BodyShape(blueprint, this.m_isFine);
@@ -69,6 +73,7 @@ export class Bodies {
     shape.Update(body, floats);
     shape.mesh.visible = this.showsSurface;
     shape.wires.visible = !this.showsSurface;
+    return shape;
   }
 
   private Dress(body: number, shape: BodyShape): void {

@@ -18,6 +18,9 @@ const kFragmentHead = `
 varying vec3 vRest;
 uniform int pattern;
 uniform vec3 restSize;
+uniform float shown;
+// Bayer 1973: an even order of the pixels of a square.
+const float kOrder[16] = float[16](0.5, 8.5, 2.5, 10.5, 12.5, 4.5, 14.5, 6.5, 3.5, 11.5, 1.5, 9.5, 15.5, 7.5, 13.5, 5.5);
 
 float Step(float x) { float w = max(fwidth(x), 1e-4); return clamp(0.5 + x / w, 0.0, 1.0); }
 float Wave(float x) { return Step(sin(x)); }
@@ -41,6 +44,7 @@ float FindPattern() {
 }
 `;
 const kFragmentColour = `
+if (16.0 * shown < kOrder[int(mod(gl_FragCoord.x, 4.0)) + 4 * int(mod(gl_FragCoord.y, 4.0))]) discard;
 diffuseColor.rgb = mix(diffuseColor.rgb, mix(diffuseColor.rgb, vec3(1.0), pattern == 3 ? 0.62 : 0.72), FindPattern());
 `;
 // Light shines through thin edges: brightest where the surface turns away.
@@ -54,6 +58,7 @@ const kFragmentGlow = `
 export class BodyMaterial {
   readonly material: MeshStandardMaterial;
   private readonly m_pattern = { value: 0 };
+  private readonly m_shown = { value: 1 };
   private readonly m_restSize = { value: new Vector3(1, 1, 1) };
 
   constructor() {
@@ -61,6 +66,7 @@ export class BodyMaterial {
     this.material.onBeforeCompile = (shader) => {
       shader.uniforms.pattern = this.m_pattern;
       shader.uniforms.restSize = this.m_restSize;
+      shader.uniforms.shown = this.m_shown;
       shader.vertexShader =
         kVertexHead + shader.vertexShader.replace('#include <begin_vertex>', '#include <begin_vertex>\nvRest = rest;');
       shader.fragmentShader =
@@ -70,6 +76,11 @@ export class BodyMaterial {
           .replace('#include <emissivemap_fragment>', `#include <emissivemap_fragment>\n${kFragmentGlow}`);
     };
     this.material.customProgramCacheKey = () => 'body';
+  }
+
+  // The share of its pixels that are drawn, 0 to 1. Without blending, nothing needs sorting or another program.
+  set shown(share: number) {
+    this.m_shown.value = share;
   }
 
   Dress(blueprint: Blueprint, isPlayer: boolean, colour: Color): void {

@@ -16,6 +16,8 @@ import { ExtendRest, FillMiddles, MakeFiner } from './finer';
 
 const kMostFiner = 1500; // vertices of a body up to which its surface is refined
 const kNoEdges = new Uint16Array();
+const kVeiled = 0.3; // share of the pixels of a see-through body
+const kVeilLag = 0.12; // s
 const kWireShade = 0.45; // brightness relative to the body's colour
 
 export class BodyShape {
@@ -30,6 +32,7 @@ export class BodyShape {
   private m_positions = new Float32Array();
   private m_normals = new Float32Array();
   private m_revision = 0;
+  private m_shown = 1;
   private m_middles: Uint16Array = kNoEdges; // edges with a vertex in their middle
   private readonly m_isFine: boolean;
 
@@ -79,6 +82,15 @@ export class BodyShape {
   Dress(isPlayer: boolean, colour: Color): void {
     this.m_material.Dress(this.blueprint, isPlayer, colour);
     this.wires.material.color.copy(colour).multiplyScalar(kWireShade);
+  }
+
+  // Makes it see-through, or solid again, in a short time. seconds: since the last call.
+  Veil(isVeiled: boolean, seconds: number): void {
+    const wished = isVeiled ? kVeiled : 1;
+    if (this.m_shown === wished) return;
+    const next = wished + (this.m_shown - wished) * Math.exp(-seconds / kVeilLag);
+    this.m_shown = Math.abs(next - wished) < 0.02 ? wished : next;
+    this.m_material.shown = this.m_shown;
   }
 
   // floats: linear memory.

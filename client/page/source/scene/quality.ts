@@ -17,6 +17,7 @@ const kLevels: QualityLevel[] = [
   { maxPixelRatio: 1, pixelShare: 0.5, shadowSize: 512, shadowEvery: 3, isRich: false },
   { maxPixelRatio: 1, pixelShare: 0.4, shadowSize: 0, shadowEvery: 1, isRich: false },
 ];
+export const kQualityLevels = kLevels.length;
 const kSoftwareLevel = 3; // start level without a graphics card
 const kSlowFrame = 0.033; // s
 const kFastFrame = 0.012;
@@ -26,7 +27,7 @@ const kLongestFrame = 0.25; // s; a longer frame means that the page was hidden
 
 export class Quality {
   private m_level: number;
-  private readonly m_isFixed: boolean;
+  private m_isFixed = false;
   private readonly m_apply: (level: QualityLevel) => void;
   private m_slowSince = 0;
   private m_fastSince = 0;
@@ -36,10 +37,19 @@ export class Quality {
   // fixed: a constant level; null: adapt to the frame time.
   constructor(fixed: number | null, isSoftware: boolean, apply: (level: QualityLevel) => void) {
     this.m_isFixed = fixed !== null;
-    this.m_level = Math.min(fixed ?? (isSoftware ? kSoftwareLevel : 0), kLevels.length - 1);
+    this.m_level = isSoftware ? kSoftwareLevel : 0;
+    if (fixed !== null) this.m_level = Math.max(0, Math.min(kLevels.length - 1, Math.floor(fixed) || 0));
     this.m_tooMuch = isSoftware ? this.m_level : -1;
     this.m_apply = apply;
     apply(kLevels[this.m_level]);
+  }
+
+  // A constant level from now on; null: adapt, from the present level on.
+  Fix(level: number | null): void {
+    this.m_isFixed = level !== null;
+    if (level === null || level === this.m_level) return;
+    this.m_level = level;
+    this.m_apply(kLevels[level]);
   }
 
   get level(): number {

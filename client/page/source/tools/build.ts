@@ -2,6 +2,7 @@
 import { Vector3 } from 'three';
 import { BuildKind, Hands, type Blueprint, type Body, type Client } from 'wobble-client';
 import type { ParticleTag, SpringTag, Vector } from 'wobble-client';
+import { Device } from '../input/device';
 import { MakePoint } from '../input/picking';
 import type { Place } from '../input/pointer';
 import { Project, type Bench, type Tool } from './tool';
@@ -32,7 +33,11 @@ interface Found {
 export class Build implements Tool {
   readonly name = 'Build';
   readonly hand = Hands.Build;
-  readonly hint = 'Click to place a particle; click two particles to join them';
+  readonly hints = {
+    [Device.Desk]: 'Click to place a particle; click two particles to join them',
+    [Device.Touch]: 'Tap to place a particle; tap two particles to join them',
+    [Device.Pad]: 'Press RT to place a particle in the ring; two in turn are joined',
+  };
   readonly icon =
     'M5 19.5a2 2 0 1 0 0-4 2 2 0 0 0 0 4zM19 19.5a2 2 0 1 0 0-4 2 2 0 0 0 0 4zM12 8a2 2 0 1 0 0-4 2 2 0 0 0 0 4zM6 15.8l5-8M18 15.8l-5-8M7 17.5h10';
   action = BuildAction.Add;

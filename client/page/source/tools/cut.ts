@@ -4,6 +4,7 @@
 // The server limits the number of commands per second, so a piece is the pointer's path in a twentieth of a second, and
 // a command is sent only for bodies that the piece meets.
 import type { Vector3 } from 'three';
+import { Device } from '../input/device';
 import type { Place } from '../input/pointer';
 import { Hands, readNow, type Client, type Vector } from 'wobble-client';
 import type { Bench, Tool } from './tool';
@@ -16,7 +17,11 @@ const kBehind = 1.5; // m by which the blade extends beyond what it meets
 export class Cut implements Tool {
   readonly name = 'Cut';
   readonly hand = Hands.Cut;
-  readonly hint = 'Draw a line across a cloth or springs to cut them';
+  readonly hints = {
+    [Device.Desk]: 'Draw a line across a cloth or springs to cut them',
+    [Device.Touch]: 'Draw a line across a cloth or springs to cut them',
+    [Device.Pad]: 'Hold RT and look across a cloth or springs to cut them',
+  };
   readonly icon =
     'M6 8.5a2.5 2.5 0 1 0 0-5 2.5 2.5 0 0 0 0 5zM6 20.5a2.5 2.5 0 1 0 0-5 2.5 2.5 0 0 0 0 5zM8 7.5L20 18M8 16.5L20 6';
   private readonly m_bench: Bench;

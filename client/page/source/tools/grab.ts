@@ -1,6 +1,7 @@
 // The grab tool: holds the vertex under the pointer and drags it. The target moves in the plane through the vertex that
 // faces the camera; the wheel moves it nearer or farther.
 import { Vector3 } from 'three';
+import { Device } from '../input/device';
 import { MakePoint } from '../input/picking';
 import type { Place } from '../input/pointer';
 import { Hands, type Vector } from 'wobble-client';
@@ -12,7 +13,11 @@ const kLeastDistance = 1; // m
 export class Grab implements Tool {
   readonly name = 'Grab';
   readonly hand = Hands.Grab;
-  readonly hint = 'Drag a body with the left button; the wheel moves it nearer or farther';
+  readonly hints = {
+    [Device.Desk]: 'Drag a body with the left button; the wheel moves it nearer or farther',
+    [Device.Touch]: 'Drag a body with a finger',
+    [Device.Pad]: 'Hold RT with a body in the ring, and look where it shall go',
+  };
   readonly icon =
     'M8 13V5.5a1.5 1.5 0 0 1 3 0V11V4a1.5 1.5 0 0 1 3 0v7V5.5a1.5 1.5 0 0 1 3 0V14c0 4-2.5 7-6 7-3 0-4.6-1.6-6-4.5L3.4 13a1.5 1.5 0 0 1 2.6-1.4L8 14';
   private readonly m_bench: Bench;

@@ -1,6 +1,7 @@
 // The tool bar and the active tool, which gets the pointer's presses. A click with any tool also selects the body of
 // the view panel.
-import { MakeElement, SetPressed } from '../hud/element';
+import { MakeElement, SetPressed, ShowKey } from '../hud/element';
+import { Device } from '../input/device';
 import type { Place, PointerTaker } from '../input/pointer';
 import type { Bench, Tool } from './tool';
 
@@ -16,6 +17,7 @@ export class HandTools implements PointerTaker {
   private readonly m_bench: Bench;
   private readonly m_tools: Tool[];
   private m_allowed: Tool[] = [];
+  private m_device = Device.Desk;
   private readonly m_buttons = new Map<Tool, HTMLButtonElement>();
 
   constructor(bench: Bench, tools: Tool[]) {
@@ -37,6 +39,7 @@ export class HandTools implements PointerTaker {
       this.m_buttons.set(tool, button);
       this.element.append(button);
     });
+    this.Speak(this.m_device);
     this.element.hidden = this.m_allowed.length === 0;
     const kept = this.active !== null && this.m_allowed.includes(this.active) ? this.active : this.m_allowed[0];
     this.Activate(kept ?? null);
@@ -50,6 +53,23 @@ export class HandTools implements PointerTaker {
   Choose(index: number): void {
     const tool = this.m_allowed[index];
     if (tool !== undefined) this.Activate(tool);
+  }
+
+  // step: 1 to the next tool, -1 to the one before.
+  ChooseNext(step: number): void {
+    const count = this.m_allowed.length;
+    if (count === 0) return;
+    const at = this.active === null ? -1 : this.m_allowed.indexOf(this.active);
+    this.Choose((at + step + count) % count);
+  }
+
+  // The device that is used from now on.
+  Speak(device: Device): void {
+    this.m_device = device;
+    for (const [tool, button] of this.m_buttons) {
+      button.title = tool.hints[device];
+      button.setAttribute('aria-label', `${tool.name}: ${tool.hints[device]}`);
+    }
   }
 
   Update(): void {
@@ -94,8 +114,6 @@ export class HandTools implements PointerTaker {
 function MakeToolButton(tool: Tool, key: number, onClick: () => void): HTMLButtonElement {
   const button = MakeElement('button');
   button.type = 'button';
-  button.title = tool.hint;
-  button.setAttribute('aria-label', `${tool.name}: ${tool.hint}`);
   const drawing = document.createElementNS(kSvg, 'svg');
   drawing.setAttribute('viewBox', '0 0 24 24');
   drawing.setAttribute('aria-hidden', 'true');
@@ -112,7 +130,7 @@ function MakeToolButton(tool: Tool, key: number, onClick: () => void): HTMLButto
   }
   drawing.append(path);
   const text = MakeElement('span', '', tool.name);
-  text.append(' ', MakeElement('kbd', '', String(key)));
+  ShowKey(button, String(key));
   button.append(drawing, text);
   button.addEventListener('click', () => {
     onClick();

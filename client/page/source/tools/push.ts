@@ -1,4 +1,5 @@
 // The push tool: pushes the vertices under the pointer away from the eye.
+import { Device } from '../input/device';
 import type { Place } from '../input/pointer';
 import { Hands, readNow } from 'wobble-client';
 import { PickOther, type Bench, type Tool } from './tool';
@@ -6,7 +7,11 @@ import { PickOther, type Bench, type Tool } from './tool';
 export class Push implements Tool {
   readonly name = 'Push';
   readonly hand = Hands.Push;
-  readonly hint = 'Click a body to push it away from you';
+  readonly hints = {
+    [Device.Desk]: 'Click a body to push it away from you',
+    [Device.Touch]: 'Tap a body to push it away from you',
+    [Device.Pad]: 'Press RT with a body in the ring to push it away',
+  };
   readonly icon = 'M3 12h11M10 7l5 5-5 5M19 5v14';
   private readonly m_bench: Bench;
 

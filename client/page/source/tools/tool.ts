@@ -1,5 +1,6 @@
 // The interface of a tool, and the objects that all tools use.
 import { Vector3, type Mesh, type PerspectiveCamera } from 'three';
+import type { Device } from '../input/device';
 import type { Place } from '../input/pointer';
 import type { Pick, Picking } from '../input/picking';
 import type { Client, Vector, Welcome } from 'wobble-client';
@@ -18,7 +19,7 @@ export interface Bench {
 export interface Tool {
   readonly name: string;
   readonly hand: number; // bit of Welcome.hands that allows the tool
-  readonly hint: string;
+  readonly hints: Record<Device, string>;
   readonly icon: string; // SVG paths in a square of 24 by 24
   // Returns false when there is nothing here for this tool.
   Begin(place: Place): boolean;
