@@ -1,6 +1,6 @@
 // Shows a world from above and plays in it: arrow keys roll the own body, the orange one, and space lets it jump.
-// `example [HOST:PORT [SECONDS]]`: with SECONDS it rolls in a circle by itself, and leaves then. Twice a second it prints
-// where its body is.
+// `example [HOST:PORT [SECONDS]]`: with SECONDS it rolls in a circle by itself, and leaves then. Twice a second it
+// prints where its body is.
 #include <SDL.h>
 #include <math.h>
 #include <stdio.h>

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "client/wobble.h"
-#include "server/library/python/player.h"
+#include "server/library/python/client.h"
 
 namespace wobble::python {
 namespace {

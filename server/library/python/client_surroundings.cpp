@@ -1,5 +1,5 @@
 // Obstacles and grounds of a client's world.
-#include "server/library/python/player.h"
+#include "server/library/python/client.h"
 
 namespace wobble::python {
 namespace {
