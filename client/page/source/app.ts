@@ -175,6 +175,7 @@ export class App {
     this.m_hands.onChoose = (tool) => {
       if (tool !== null && this.welcome !== null) this.m_hints.Say(tool.name, tool.hint, readNow());
     };
+    this.m_board.onKickOff = (side) => this.FaceGoal(side);
     this.m_view.onChange = () => (this.bodies.showsSurface = this.m_view.showsSurface);
   }
 
@@ -324,6 +325,12 @@ export class App {
     this.m_hints.Update(now);
     if (this.welcome!.game === kFilm) this.m_film.Update(client, now);
     else if (this.welcome!.game !== '') this.m_board.Update(client, this.welcome!.game, this.players, now);
+  }
+
+  // Turns the camera to the other side's goal: side 1 plays towards +x.
+  private FaceGoal(side: number): void {
+    const turn = (side === 1 ? 0 : Math.PI) - this.camera.yaw;
+    this.camera.Turn(Math.atan2(Math.sin(turn), Math.cos(turn)), 0);
   }
 
   private Welcome(client: Client): void {
