@@ -2,8 +2,12 @@
 // and played again.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "client/bots/runner.h"
 #include "server/recording/verify.h"
@@ -82,6 +86,39 @@ void ExpectPlayed(const Played& played, unsigned count) {
   EXPECT_EQ(played.figures.scriptErrors, 0U);
   EXPECT_EQ(played.figures.disconnects, 0U);
   EXPECT_EQ(played.proof, "") << "the recording plays the same again, to the bit";
+}
+
+double ReadThreadTime() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+// In processor time, which another program on the machine does not lengthen.
+TEST(MatchOfBots, SixteenAtGoalsLeaveTimeInATick) {
+  test::Game game(test::LoadShippedScene("goals"));
+  LoadTestOptions options;
+  options.count = 16;
+  options.decodeShare = {.part = 0, .whole = 1};
+  Script script(options.seed, {});
+  std::string error;
+  ASSERT_TRUE(script.LoadFile(test::FindSource("client/bots/scripts/goals.lua"), error)) << error;
+  Runner runner(
+      options, script, [&](auto, std::string&) { return game.network.MakeClient(); }, [] { return 0.0; },
+      [](std::string_view line) { ADD_FAILURE() << line; });
+  std::vector<double> ticks;
+  while (game.now < 20) {
+    const double begin = ReadThreadTime();
+    game.Step();
+    if (game.now > 5) ticks.push_back(ReadThreadTime() - begin);
+    runner.RunRound(game.now, 0);
+  }
+  EXPECT_EQ(runner.ReadFigures().connected, 16U);
+  std::ranges::sort(ticks);
+  const double p50 = ticks[ticks.size() / 2];
+  const double p99 = ticks[ticks.size() * 99 / 100];
+  std::printf("a tick of goals with 16 bots: %.2f ms (p50), %.2f ms (p99) of processor time\n", 1e3 * p50, 1e3 * p99);
+  EXPECT_LT(p99, 1.0 / 60);
 }
 
 TEST(MatchOfBots, GoalsAreScored) {

@@ -162,6 +162,7 @@ export class App {
     this.m_hands.onChoose = (tool) => {
       if (tool !== null && this.welcome !== null) this.m_hud.hints.Say(tool.name, tool.hints, readNow());
     };
+    this.m_hud.board.onKickOff = (side) => this.FaceGoal(side);
     this.m_hud.view.onChange = () => (this.bodies.showsSurface = this.m_hud.view.showsSurface);
     this.m_hud.settings.onChange = () => {
       this.quality.Fix(this.m_settings.quality);
@@ -323,6 +324,12 @@ export class App {
     this.sound.Update(client, this.players, { ...this.camera.focus, rightX: right.x, rightY: right.y }, now);
     const builds = this.m_hands.active === this.m_build;
     this.m_hud.Update(client, this.welcome!, this.players, this.camera.yaw, builds, now);
+  }
+
+  // Turns the camera to the other side's goal: side 1 plays towards +x.
+  private FaceGoal(side: number): void {
+    const turn = (side === 1 ? 0 : Math.PI) - this.camera.yaw;
+    this.camera.Turn(Math.atan2(Math.sin(turn), Math.cos(turn)), 0);
   }
 
   private Welcome(client: Client): void {

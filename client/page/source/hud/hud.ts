@@ -52,12 +52,12 @@ export class Hud {
   readonly menu: Menu;
   readonly card: ConnectionCard;
   readonly talk: TalkPanel;
+  readonly board = new Board();
   private readonly m_connection: Connection;
   private m_parent: HTMLElement = MakeElement('div');
   private readonly m_company: CompanyLine;
   private readonly m_chart = new LinkChart();
   private readonly m_line = new LinkLine();
-  private readonly m_board = new Board();
   private readonly m_buildPanel: BuildPanel;
 
   constructor({ offer, connection, settings, isQualityFixed, build, labels, sound, card, onCommand }: HudOptions) {
@@ -80,7 +80,7 @@ export class Hud {
   Append(parent: HTMLElement, touch: HTMLElement[], tools: HTMLElement): void {
     this.m_parent = parent;
     const middle = MakeElement('div', 'middle');
-    middle.append(this.m_board.element, this.m_board.banner, this.film.element);
+    middle.append(this.board.element, this.board.banner, this.film.element);
     middle.append(this.m_line.element, this.m_company.element, this.toasts.element);
     const below = MakeElement('div', 'below');
     below.append(this.hints.element, this.m_buildPanel.element, tools);
@@ -98,7 +98,7 @@ export class Hud {
   Clear(): void {
     this.m_chart.Clear();
     this.invite.Clear();
-    this.m_board.Hide();
+    this.board.Hide();
     this.film.Hide();
     this.talk.Begin(null);
   }
@@ -139,7 +139,7 @@ export class Hud {
     this.menu.Update(this.MayTune(players));
     this.hints.Update(now);
     if (welcome.game === kFilm) this.film.Update(client, now);
-    else if (welcome.game !== '') this.m_board.Update(client, welcome.game, players, now);
+    else if (welcome.game !== '') this.board.Update(client, welcome.game, players, now);
   }
 
   // Whether this player may change the world for all. Who only watches may not.
