@@ -30,7 +30,7 @@ export class ViewPanel {
     this.m_accelerations = MakeButton('Accelerations', 'Show accelerations as arrows', '', () =>
       this.Toggle([ForceKind.Acceleration]),
     );
-    this.m_surface = MakeButton('Surface', 'Show surfaces; off: the springs beneath', 'X', () => this.ToggleSurface());
+    this.m_surface = MakeButton('Surface', 'Surface; off: the springs beneath', 'X', () => this.ToggleSurface());
     const first = MakeElement('div', 'row');
     first.append(this.m_forces, this.m_accelerations);
     const second = MakeElement('div', 'row');
