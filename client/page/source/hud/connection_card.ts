@@ -1,5 +1,5 @@
 // The card in the middle while there is no world: what has happened, and what the player can do next.
-import { State, type Connection } from 'wobble-client';
+import { State, type Connection, type ConnectionEnd } from 'wobble-client';
 import { FindIsOld } from '../page_age';
 import { FindDetail, FindStay, Stay } from '../stay';
 import { MakeButton, MakeElement, SetText } from './element';
@@ -32,7 +32,7 @@ export class ConnectionCard {
   private readonly m_worlds: string[];
   private readonly m_onWorld: (world: string) => void;
   private m_listedFor: string | null = null;
-  private m_asked = ''; // reason for which the page's age was asked
+  private m_asked: ConnectionEnd | null = null; // end after which the page's age was asked
   private m_isOld = false;
   stay = Stay.Connecting;
 
@@ -58,7 +58,7 @@ export class ConnectionCard {
     const isEntering = client?.readState() === State.Joining;
     const isPlaying = connection.playing !== null;
     const standing = { isPlaying, isEntering, hasPlayed: connection.hasPlayed, lostReason, refused };
-    this.AskAge(lostReason);
+    this.AskAge(end, isPlaying);
     this.stay = FindStay(standing, missing, this.m_isOld);
     this.element.hidden = this.stay === Stay.Playing;
     if (this.element.hidden) return;
@@ -78,13 +78,12 @@ export class ConnectionCard {
     this.m_next.hidden = this.m_next.textContent === '';
   }
 
-  // The page may be old only where the server has said nothing.
-  private AskAge(lostReason: string): void {
-    if (lostReason === this.m_asked) return;
-    this.m_asked = lostReason;
-    this.m_isOld = false;
-    if (lostReason === '') return;
-    void FindIsOld().then((isOld) => (this.m_isOld = isOld && this.m_asked === lostReason));
+  // After each try that fails: a gateway that is renewed answers nobody for a while.
+  private AskAge(end: ConnectionEnd | null, isPlaying: boolean): void {
+    if (isPlaying) this.m_isOld = false;
+    if (end === null || end === this.m_asked) return;
+    this.m_asked = end;
+    void FindIsOld().then((isOld) => (this.m_isOld = isOld ?? this.m_isOld));
   }
 
   private Describe({ lostReason, refused, hasPlayed }: Connection, missing: string): Words {

@@ -33,7 +33,7 @@ function ListDesk({ hasBody, hasTools, mayTune }: Abilities): Line[] {
   return [
     ...(hasBody ? body : []),
     ...(hasTools ? tools : []),
-    ['right button, . ,', 'look around'],
+    ['right button', 'look around; without a mouse: comma, full stop'],
     ['wheel, Page keys', hasTools ? 'zoom; while grabbing: nearer or farther' : 'zoom'],
     ['C', hasBody ? 'camera: follow, circle, free' : 'camera: circle, free; the keys of motion fly it'],
     ['V', 'view: forces, accelerations, springs'],

@@ -52,8 +52,8 @@ export class ViewPanel {
     this.m_accelerations = MakeButton('Accelerations', 'Show accelerations as arrows', '', () =>
       this.Toggle([ForceKind.Acceleration]),
     );
-    this.m_surface = MakeButton('Surface', 'Show surfaces; off: the springs beneath', 'X', () => this.ToggleSurface());
-    this.m_predicts = MakeButton('No delay', 'Show your own body at once as you move; off: as the server has it', '', () => {
+    this.m_surface = MakeButton('Surface', 'Surface; off: the springs beneath', 'X', () => this.ToggleSurface());
+    this.m_predicts = MakeButton('No delay', 'No delay: show your own body at once; off: as the server has it', '', () => {
       this.predicts = !this.predicts;
       KeepPredicts(this.predicts);
       this.Show();
