@@ -327,9 +327,14 @@ export class App {
     else if (this.welcome!.game !== '') this.m_board.Update(client, this.welcome!.game, this.players, now);
   }
 
-  // Turns the camera to the other side's goal: side 1 plays towards +x.
+  // Turns the camera to the other side's goal, where side 1 plays towards +x; without sides to what all run for.
   private FaceGoal(side: number): void {
-    const turn = (side === 1 ? 0 : Math.PI) - this.camera.yaw;
+    const own = this.connection.playing?.findBody(this.players.ownBody);
+    const object = this.connection.playing?.findBody(this.players.object);
+    const isSeen = side === 0 && own !== null && own !== undefined && object !== null && object !== undefined;
+    if (side === 0 && !isSeen) return;
+    const yaw = isSeen ? Math.atan2(object.y - own.y, object.x - own.x) : side === 1 ? 0 : Math.PI;
+    const turn = yaw - this.camera.yaw;
     this.camera.Turn(Math.atan2(Math.sin(turn), Math.cos(turn)), 0);
   }
 
