@@ -370,7 +370,16 @@ enum {
 // kind: WOBBLE_TUNE_GRAVITY ...; value: in the units of wobble_tuning.
 WOBBLE_API wobble_result wobble_tune(wobble_client* client, int32_t kind, const float value[3]);
 
-enum { WOBBLE_ROUND_PLAYING = 0, WOBBLE_ROUND_WON = 1 };
+// A match: lobby, then for each round kick-off, playing, golden (the next point wins) where rounds can be drawn, won;
+// and over, with the final board.
+enum {
+  WOBBLE_ROUND_PLAYING = 0,
+  WOBBLE_ROUND_WON = 1,
+  WOBBLE_LOBBY = 2,
+  WOBBLE_KICK_OFF = 3,
+  WOBBLE_GOLDEN = 4,
+  WOBBLE_MATCH_OVER = 5,
+};
 
 // Of a scene that has a game.
 typedef struct wobble_scoreboard {
@@ -379,10 +388,16 @@ typedef struct wobble_scoreboard {
   uint32_t round;
   uint32_t seconds_left;  // of the phase
   uint32_t points_to_win;
-  uint32_t winner;  // client_id of the last round's; 0: nobody
+  uint32_t winner;  // client_id of the last round's, or the match's; 0: nobody
   uint32_t score_count;
+  uint32_t rounds;          // that make a match; 0: it never ends
+  const char* game;         // its name; "": none. Valid until the next call with this client
+  uint32_t winning_side;    // as `winner`, where there are sides; 0: none
+  uint32_t side_points[2];  // of sides 1 and 2, in this round; 0 where there are none
+  uint32_t side_rounds[2];  // that they have won
+  uint32_t object;          // body of the ball or the crown; 0: none
+  uint32_t bearer;          // client_id of who wears the crown; 0: nobody
   uint32_t reserved;
-  const char* game;  // its name; "": none. Valid until the next call with this client
 } wobble_scoreboard;
 WOBBLE_API wobble_result wobble_read_scoreboard(const wobble_client* client, wobble_scoreboard* scoreboard);
 
@@ -391,11 +406,14 @@ typedef struct wobble_score {
   uint32_t client_id;
   uint32_t points;  // in this round
   uint32_t rounds;  // that the player has won
+  uint32_t side;    // 1 or 2; 0: the game has none
+  int32_t ready;    // 1: for the match
+  int32_t bot;      // 1: no person plays
 } wobble_score;
 // index: from 0 to score_count - 1.
 WOBBLE_API wobble_result wobble_read_score(const wobble_client* client, uint32_t index, wobble_score* score);
 
-// A line to the server's administration, such as a moderator's "kick 7" or a player's "vote restart"; 1 to 200 bytes.
+// A line to the server's administration, such as a moderator's "kick 7" or a player's "ready"; 1 to 200 bytes.
 // The answer comes as WOBBLE_NOTICE.
 WOBBLE_API wobble_result wobble_order(wobble_client* client, const char* line);
 

@@ -26,7 +26,7 @@ static_assert(WOBBLE_MAY_TUNE_GRAVITY == protocol::kMayTuneGravity &&
               WOBBLE_MAY_TUNE_STIFFNESS == protocol::kMayTuneStiffness &&
               WOBBLE_MAY_TUNE_TIME == protocol::kMayTuneTime);
 static_assert(WOBBLE_ROUND_PLAYING == static_cast<int>(wire::GamePhase::Playing) &&
-              WOBBLE_ROUND_WON == static_cast<int>(wire::GamePhase::MAX));
+              WOBBLE_MATCH_OVER == static_cast<int>(wire::GamePhase::MAX));
 
 constexpr std::uint32_t kMayTune = WOBBLE_MAY_TUNE_GRAVITY | WOBBLE_MAY_TUNE_STIFFNESS | WOBBLE_MAY_TUNE_TIME;
 constexpr std::uint32_t kMaxNumber = 0xFFFF;  // of a particle or spring
@@ -101,6 +101,9 @@ wobble_tuning MakeTuning(const client::Client& client) {
 
 wobble_scoreboard MakeScoreboard(const client::Client& client) {
   const client::Scoreboard& from = client.ReadScoreboard();
+  const bool hasSides = from.sides.size() == 2;
+  const auto first = hasSides ? from.sides[0] : wire::SideScore();
+  const auto second = hasSides ? from.sides[1] : wire::SideScore();
   return {.struct_size = 0,
           .phase = static_cast<std::int32_t>(from.phase),
           .round = from.round,
@@ -108,17 +111,28 @@ wobble_scoreboard MakeScoreboard(const client::Client& client) {
           .points_to_win = from.pointsToWin,
           .winner = from.winner,
           .score_count = static_cast<std::uint32_t>(from.scores.size()),
-          .reserved = 0,
-          .game = client.Welcome().game.c_str()};
+          .rounds = from.rounds,
+          .game = client.Welcome().game.c_str(),
+          .winning_side = from.winningSide,
+          .side_points = {first.points(), second.points()},
+          .side_rounds = {first.rounds(), second.rounds()},
+          .object = from.object,
+          .bearer = from.bearer,
+          .reserved = 0};
 }
 
 std::optional<wobble_score> FindScore(const client::Client& client, std::uint32_t index) {
-  const auto& scores = client.ReadScoreboard().scores;
+  const client::Scoreboard& board = client.ReadScoreboard();
+  const auto& scores = board.scores;
   if (index >= scores.size()) return {};
+  const wire::Seat seat = index < board.seats.size() ? board.seats[index] : wire::Seat();
   return wobble_score{.struct_size = 0,
                       .client_id = scores[index].client_id(),
                       .points = scores[index].points(),
-                      .rounds = scores[index].rounds()};
+                      .rounds = scores[index].rounds(),
+                      .side = seat.side(),
+                      .ready = seat.ready() ? 1 : 0,
+                      .bot = seat.bot() ? 1 : 0};
 }
 
 // Sends a command, where the client plays.

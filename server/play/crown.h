@@ -21,7 +21,7 @@ struct Crown {
   // How the bearer's hand holds it.
   std::uint16_t vertex = 0;
   std::uint16_t grip = 0;
-  physics::Vector3d lift = physics::Vector3d::Zero();  // from its centre to that vertex when it was taken, m
+  physics::Vector3d lift = physics::Vector3d::Zero();  // from its centre to that vertex when it is upright, m
 
   // A hand that holds the crown.
   struct Grasp {

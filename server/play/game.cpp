@@ -24,13 +24,10 @@ void VisitTouching(physics::BodyId body, const physics::World& world,
   }
 }
 
-// From the body's centre to one of its vertices, m.
+// From the centre of a body that is upright to one of its vertices, m.
 Vector3d FindLift(const physics::Body& body, std::size_t vertex, const physics::World& world) {
-  Vector3d lift = Vector3d::Zero();
-  physics::VisitVertices(body, [&](std::size_t i, const Vector3d& place) {
-    if (i == vertex) lift = place - world.FindCentre(body);
-  });
-  return lift;
+  const std::vector<Vector3d>& rest = world.BlueprintOf(body).rest;
+  return vertex < rest.size() ? rest[vertex] : Vector3d::Zero();
 }
 
 }  // namespace
@@ -145,7 +142,9 @@ void Game::FollowCrown(Crown& crown, const physics::World& world, const Players&
   std::vector<ClientId> opened;
   const ClientId taker = crown.Follow(deeds, world.Settings().tickDuration, m_match, opened);
   for (const ClientId client : opened) hands.Open(client);
-  if (taker != 0) happenings.push_back({.kind = Happening::Kind::kCrown, .body = m_object, .by = taker});
+  if (taker == 0) return;
+  hands.Right(taker, world);
+  happenings.push_back({.kind = Happening::Kind::kCrown, .body = m_object, .by = taker});
 }
 
 }  // namespace wobble::server

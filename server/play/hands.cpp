@@ -123,6 +123,18 @@ void Hands::Forget(ClientId client) {
   m_memory.shoves.erase(client);
 }
 
+void Hands::Right(ClientId client, const physics::World& world) {
+  const auto found = m_memory.grips.find(client);
+  const physics::Body* body = found == m_memory.grips.end() ? nullptr : world.FindBody(found->second.command.body);
+  if (body == nullptr) return;
+  Grip& grip = found->second;
+  const std::vector<Vector3d>& rest = world.BlueprintOf(*body).rest;
+  if (grip.command.vertex >= rest.size()) return;
+  for (std::size_t i = 0; i < grip.vertices.size(); ++i) {
+    if (grip.vertices[i] < rest.size()) grip.offsets[i] = rest[grip.vertices[i]] - rest[grip.command.vertex];
+  }
+}
+
 void Hands::Open(ClientId client) {
   const auto found = m_memory.grips.find(client);
   if (found != m_memory.grips.end()) found->second.vertices.clear();

@@ -58,6 +58,8 @@ class Hands {
 
   // Drops the hands of a client that has left.
   void Forget(ClientId client);
+  // What the client's hand holds is drawn to its rest shape, upright.
+  void Right(ClientId client, const physics::World& world);
   // Opens a client's hand, until it closes anew.
   void Open(ClientId client);
   // Ends all grips and shoves on a body whose vertices have been renumbered.

@@ -326,9 +326,14 @@ export class App {
     this.m_hud.Update(client, this.welcome!, this.players, this.camera.yaw, builds, now);
   }
 
-  // Turns the camera to the other side's goal: side 1 plays towards +x.
+  // Turns the camera to the other side's goal, where side 1 plays towards +x; without sides to what all run for.
   private FaceGoal(side: number): void {
-    const turn = (side === 1 ? 0 : Math.PI) - this.camera.yaw;
+    const own = this.connection.playing?.findBody(this.players.ownBody);
+    const object = this.connection.playing?.findBody(this.players.object);
+    const isSeen = side === 0 && own !== null && own !== undefined && object !== null && object !== undefined;
+    if (side === 0 && !isSeen) return;
+    const yaw = isSeen ? Math.atan2(object.y - own.y, object.x - own.x) : side === 1 ? 0 : Math.PI;
+    const turn = yaw - this.camera.yaw;
     this.camera.Turn(Math.atan2(Math.sin(turn), Math.cos(turn)), 0);
   }
 

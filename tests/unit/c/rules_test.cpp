@@ -117,7 +117,18 @@ TEST(Rules, WhatNoServerWouldTakeIsNotSent) {
 TEST(Rules, TuningAndScoresAreThoseThatCameLast) {
   Building joined;
   joined.world->Send(protocol::MakeTuning({{1, 2, -3}, 0.5F, 0.25F, protocol::kMayTuneTime}));
-  joined.world->Send(protocol::MakeScoreboard({wire::GamePhase::Won, 3, 8, 5, 9, {{9, 5, 2}, {12, 1, 0}}}));
+  joined.world->Send(protocol::MakeScoreboard({.phase = wire::GamePhase::Won,
+                                               .round = 3,
+                                               .secondsLeft = 8,
+                                               .pointsToWin = 5,
+                                               .winner = 9,
+                                               .scores = {{9, 5, 2}, {12, 1, 0}},
+                                               .rounds = 4,
+                                               .seats = {{1, true, false}, {2, false, true}},
+                                               .sides = {{5, 2}, {1, 0}},
+                                               .winningSide = 1,
+                                               .object = 77,
+                                               .bearer = 12}));
   auto board = Make<wobble_scoreboard>();
   ASSERT_TRUE(joined.RunUntil(
       [&] { return wobble_read_scoreboard(joined.client, &board) == WOBBLE_OK && board.score_count == 2; }));
@@ -127,11 +138,21 @@ TEST(Rules, TuningAndScoresAreThoseThatCameLast) {
   EXPECT_EQ(board.points_to_win, 5U);
   EXPECT_EQ(board.winner, 9U);
   EXPECT_STREQ(board.game, "sumo");
+  EXPECT_EQ(board.rounds, 4U);
+  EXPECT_EQ(board.winning_side, 1U);
+  EXPECT_EQ(board.side_points[0], 5U);
+  EXPECT_EQ(board.side_points[1], 1U);
+  EXPECT_EQ(board.side_rounds[0], 2U);
+  EXPECT_EQ(board.object, 77U);
+  EXPECT_EQ(board.bearer, 12U);
   auto score = Make<wobble_score>();
   ASSERT_EQ(wobble_read_score(joined.client, 0, &score), WOBBLE_OK);
   EXPECT_EQ(score.client_id, 9U);
   EXPECT_EQ(score.points, 5U);
   EXPECT_EQ(score.rounds, 2U);
+  EXPECT_EQ(score.side, 1U);
+  EXPECT_EQ(score.ready, 1);
+  EXPECT_EQ(score.bot, 0);
   EXPECT_EQ(wobble_read_score(joined.client, 2, &score), WOBBLE_BAD_INDEX);
   auto tuning = Make<wobble_tuning>();
   ASSERT_EQ(wobble_read_tuning(joined.client, &tuning), WOBBLE_OK);

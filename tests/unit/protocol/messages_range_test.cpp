@@ -136,7 +136,7 @@ TEST(Messages, GoodbyeAndEventOutOfRange) {
   const auto unknownReason = static_cast<wire::GoodbyeReason>(14);
   EXPECT_EQ(ParseAs('c', MakeClientGoodbye(unknownReason, "")), ParseResult::kOutOfRange);
   EXPECT_EQ(ParseAs('s', MakeServerGoodbye(unknownReason, "")), ParseResult::kOutOfRange);
-  const auto unknownEvent = static_cast<wire::EventKind>(8);
+  const auto unknownEvent = static_cast<wire::EventKind>(10);
   EXPECT_EQ(ParseAs('s', MakeEvent(unknownEvent, 1, 2, 3, "")), ParseResult::kOutOfRange);
   const std::string longName(kMaxNameBytes + 1, 'a');
   EXPECT_EQ(ParseAs('s', MakeEvent(wire::EventKind::Join, 1, 2, 3, longName)), ParseResult::kOutOfRange);

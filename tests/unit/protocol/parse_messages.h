@@ -136,7 +136,9 @@ inline void Read(const wire::ServerMessage& message) {
       EXPECT_EQ(board->seats()->size(), board->scores()->size());
       for (const wire::Seat* seat : *board->seats()) EXPECT_LE(seat->side(), kSides);
     }
-    if (board->sides() != nullptr) EXPECT_EQ(board->sides()->size(), kSides);
+    if (board->sides() != nullptr) {
+      EXPECT_EQ(board->sides()->size(), kSides);
+    }
     EXPECT_LE(board->winning_side(), kSides);
   } else if (const auto* notice = message.body_as_Notice()) {
     EXPECT_LE(notice->text()->size(), kMaxNoticeBytes);

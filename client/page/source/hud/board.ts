@@ -18,7 +18,7 @@ export class Board {
   private readonly m_sides = MakeElement('div', 'sides');
   private readonly m_list = MakeElement('ol');
   private readonly m_ready = MakeButton('Ready', 'Say that you are ready', kReadyKey, () => this.SayReady());
-  // Called as a kick-off begins, with the own side.
+  // Called as a kick-off begins, with the own side; 0: the game has none.
   onKickOff: (side: number) => void = () => {};
   private m_phase = GamePhase.Playing;
   private m_shown = '';
@@ -61,7 +61,7 @@ export class Board {
     SetText(this.banner, text);
     const own = board.scores.find((score) => score.clientId === players.ownClient);
     const kicksOff = board.phase === GamePhase.KickOff && this.m_phase !== GamePhase.KickOff;
-    if (kicksOff && own !== undefined && own.side !== 0) this.onKickOff(own.side);
+    if (kicksOff && own !== undefined) this.onKickOff(own.side);
     this.m_phase = board.phase;
     const mayBeReady = board.phase === GamePhase.Lobby && own !== undefined && !own.isReady;
     this.m_ready.hidden = !mayBeReady;
