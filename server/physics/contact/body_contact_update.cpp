@@ -68,6 +68,22 @@ void NoteLeap(const ContactParameters<Real>& parameters, const Meeting<Real>& me
   contact.leap = std::clamp(contact.leap, Real(0), std::max(Real(0), depth));
 }
 
+// Whether the vertex was in front of the open skin and is behind it, seen from `at`, though nothing can have brought it
+// there in h s. The walk from face to face has then ended at a layer of a crumpled skin that another one lies before, or
+// that is turned over. Taken for the vertex's place, all its depth would be leap, and when the vertex came to the skin
+// for true, it would be behind already and go on through.
+template <class Real>
+bool HasLeaptBehind(const Meeting<Real>& meeting, const BodyContact<Real>& contact, const FacePoint<Real>& at, Real h) {
+  const Skin<Real>& skin = meeting.skin;
+  if (!skin.topology->isOpen || at.rounded || !IsInside(skin, at)) return false;
+  const Real before = contact.depth + contact.leap - skin.offset;
+  if (before > Real(0)) return false;
+  const Vector3<Real> velocity = FindRelativeVelocity(meeting, contact.vertex, at);
+  const Real play = contact.maxDepth - std::max(Real(0), contact.depth) +
+                    static_cast<Real>(kArmingSteps) * h * std::sqrt(velocity.dot(velocity));
+  return -at.distance - skin.offset - before > play;
+}
+
 // FindPresentFace after a substep of h s, with the leap brought up to date and added to the distance that is returned.
 // before: as there.
 template <class Real>
@@ -81,7 +97,9 @@ FacePoint<Real> RenewContact(const ContactParameters<Real>& parameters, const Me
     return at;
   }
   if (contact.side == sideBefore) {
-    at = FindSeen(SkinFrom(meeting, contact.side), contact, at, p);
+    const Skin<Real> skin = SkinFrom(meeting, contact.side);
+    at = FindSeen(skin, contact, at, p);
+    if (HasLeaptBehind(meeting, contact, at, h)) at = FindRounded(skin, at, p, false);
     NoteLeap(parameters, meeting, at, h, contact);
   } else {
     // The depth is the same from both sides: the skin's points lie in the middle of Skin::offset.

@@ -246,6 +246,20 @@ WOBBLE_INLINE std::uint32_t FindThoseThatMove(const FaceView<V>& at, const BodyC
          (hasOutward & along) | FindBelow(ReadRow<V>(block.maxDepth, lane), zero);
 }
 
+// HasLeaptBehind of body_contact_update.cpp, for a contact that keeps its face.
+template <class V, class Real>
+WOBBLE_INLINE std::uint32_t FindThoseThatLeapt(const FaceView<V>& at, const BodyContactBlock<Real>& block, V speed,
+                                               V reach, std::size_t lane) {
+  const V zero = Spread<V>(Real(0));
+  const V offset = ReadRow<V>(block.offset, lane);
+  const V depth = ReadRow<V>(block.depth, lane);
+  const V before = depth + ReadRow<V>(block.leap, lane) - offset;
+  const V behind = -at.distance - offset;
+  const V play = Fma(reach, speed, ReadRow<V>(block.maxDepth, lane) - Max(zero, depth));
+  return FindBelow(zero, ReadRow<V>(block.open, lane)) & FindBelow(zero, behind) & ~FindBelow(zero, before) &
+         FindBelow(play, behind - before);
+}
+
 // NoteLeap of body_contact_update.cpp, for a contact that keeps its face.
 template <class V, class Real>
 WOBBLE_INLINE V FindLeap(const FaceView<V>& at, const BodyContactBlock<Real>& block, V speed, V away, V reach,
@@ -274,6 +288,7 @@ BodyContactChange UpdateBodyContactBlock(const BodyContactPoints<Real>& points, 
     change.left |= FindThoseThatMove(at, block, points, lane) << lane;
     const Axes<V> velocity = FindVelocity(at, points, lane);
     const V speed = Sqrt(Dot(velocity, velocity));
+    change.left |= FindThoseThatLeapt(at, block, speed, reach, lane) << lane;
     const V away = Dot(at.normal, velocity);
     const V leap = FindLeap(at, block, speed, away, reach, lane);
     const V depth = -(at.distance + leap);

@@ -3,7 +3,8 @@
 //   terrain          by the height of the field there
 //   sheet            by winding numbers. The sheet's frame is fixed in the plane z = 0; with the plane around it the
 //                    sheet parts the world in two. A plane's winding number is ∓½ above and below it; that of the sheet
-//                    in its place is the plane's, less that of the flat sheet, plus that of the sheet as it is
+//                    in its place is the plane's, less that of the flat sheet, plus that of the sheet as it is. What
+//                    slides off beside the frame and crosses the plane there has not gone through
 //   body             by the order of their middles along the shot, if these came nearer than half of the radii and a
 //                    vertex was deeper inside than half the smaller radius. Both have skins and meet head on: bodies
 //                    that meet aside of their middles and do not bounce rightly slide past one another
@@ -27,6 +28,7 @@ using namespace physics;
 constexpr double kLeastShotSpeed = 5;
 constexpr double kMostShotSpeed = 100;
 constexpr double kShotTime = 2;       // s
+constexpr double kHalfSheet = 2;      // m
 constexpr double kDeepBehind = 0.25;  // m; vertices of soft bodies are pressed into obstacles by less
 
 class StressRange {
@@ -56,7 +58,11 @@ class StressRange {
       }
       JudgeBodies();
     } else {
-      PlayStress(*m_world, duration, m_shot.outcome);
+      m_centre = m_world->FindCentre(m_world->Bodies()[0]);
+      for (double gone = 0; gone < duration; gone += kContactTick) {
+        PlayStress(*m_world, kContactTick, m_shot.outcome);
+        WatchFrame();
+      }
       Judge();
     }
     NoteInverted(*m_world, m_shot.outcome);
@@ -144,14 +150,22 @@ class StressRange {
     return turns * m_sign < 0 ? 1 : -1;
   }
 
+  // Notes where the middle has crossed the plane of the sheet's frame last.
+  void WatchFrame() {
+    if (m_shot.target != StressTarget::kSheet) return;
+    const Vector3d centre = m_world->FindCentre(m_world->Bodies()[0]);
+    if ((centre.z() > 0) != (m_centre.z() > 0)) m_isBesideFrame = centre.head<2>().cwiseAbs().maxCoeff() > kHalfSheet;
+    m_centre = centre;
+  }
+
   void Judge() {
     const double deep = m_shot.target == StressTarget::kSheet ? 0 : kDeepBehind;
     const std::vector<Vector3d> x = ReadPositions(m_world->Bodies()[0]);
     const auto isBehind = [&](const Vector3d& p) { return !(FindHeightOver(p) >= -deep); };
     m_shot.behind = static_cast<double>(std::ranges::count_if(x, isBehind)) / static_cast<double>(x.size());
     const bool isMiddle = !(FindHeightOver(m_world->FindCentre(m_world->Bodies()[0])) >= 0);
-    m_shot.through = isMiddle || m_shot.behind >= 0.5;
-    m_shot.hangs = !m_shot.through && m_shot.behind > 0;
+    m_shot.through = (isMiddle || m_shot.behind >= 0.5) && !m_isBesideFrame;
+    m_shot.hangs = !m_shot.through && !m_isBesideFrame && m_shot.behind > 0;
     m_shot.outcome.through = m_shot.through ? 1 : 0;
   }
 
@@ -187,6 +201,8 @@ class StressRange {
   double m_deepest = 0;  // that a vertex has been inside the other, m
   double m_ceiling = 0;  // of the target, m
   double m_sign = 1;     // -1: the shot comes from below
+  Vector3d m_centre = Vector3d::Zero();  // of the body shot at a sheet, m
+  bool m_isBesideFrame = false;          // the middle has crossed the frame's plane outside of it last
 };
 
 }  // namespace
