@@ -56,7 +56,7 @@ void Game::Leave(ClientId client) {
 
 void Game::BeginAnew() {
   m_laws = MakeLaws(m_rules.kind);
-  m_match.BeginAnew();
+  m_match.Restart();
   static_cast<void>(m_match.TakePlacing());
 }
 

@@ -70,6 +70,11 @@ class Match {
   void SetRounds(int rounds) { m_memory.rounds = rounds; }
   // Back to the beginning, with the players who are in.
   void BeginAnew();
+  // The same, and no match has been played yet.
+  void Restart() {
+    m_memory.matches = 0;
+    BeginAnew();
+  }
   // Lets time pass, s.
   void Advance(double seconds);
 
