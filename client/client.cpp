@@ -16,7 +16,7 @@
 #include "client/clearance.h"
 #include "client/grounds.h"
 #include "client/input_stream.h"
-#include "client/link_judge.h"
+#include "client/timing/link_judge.h"
 #include "client/news.h"
 #include "client/own_body.h"
 #include "client/snapshot_receiver.h"

@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "client/client.h"
-#include "client/clock.h"
-#include "client/jitter_buffer.h"
+#include "client/timing/clock.h"
+#include "client/timing/jitter_buffer.h"
 #include "protocol/snapshot.h"
 
 namespace wobble::client {

@@ -105,7 +105,7 @@ struct WelcomeFields {
   std::uint32_t workshop = 0;  // body; 0: none
   std::uint8_t ownBlueprint = 0;
   wire::Rank rank = wire::Rank::Player;
-  wire::Drive drive = {};  // of the own body; a speed of 0: none
+  wire::Drive drive = {};        // of the own body; a speed of 0: none
   std::string description = {};  // at most kMaxDescriptionBytes
   std::uint8_t talk = 0;         // bits kMaySay, kMayEmote
 };

@@ -1,5 +1,5 @@
 // The client's clock against a server whose true time is known: virtual time, seeded delays.
-#include "client/clock.h"
+#include "client/timing/clock.h"
 
 #include <gtest/gtest.h>
 

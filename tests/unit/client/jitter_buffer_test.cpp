@@ -1,5 +1,5 @@
 // Delay and playback of the jitter buffer, on virtual time with seeded lateness.
-#include "client/jitter_buffer.h"
+#include "client/timing/jitter_buffer.h"
 
 #include <gtest/gtest.h>
 

@@ -109,7 +109,8 @@ TEST(Messages, WhatTheServerTellsOutOfRange) {
   EXPECT_EQ(parse(Kind::Rename, kMaxNameBytes + 1), ParseResult::kOutOfRange);
   EXPECT_EQ(parse(static_cast<Kind>(8), 0), ParseResult::kOutOfRange);
   EXPECT_EQ(parse(Kind::Emote, 0, static_cast<wire::EmoteKind>(6)), ParseResult::kOutOfRange);
-  EXPECT_EQ(ParseAs('s', MakeWelcome({.tickHz = 60, .snapshotHz = 30, .talk = 4})), ParseResult::kOutOfRange);
+  EXPECT_EQ(ParseAs('s', MakeWelcome({.tickHz = 60, .snapshotHz = 30, .scene = "", .obstacles = {}, .talk = 4})),
+            ParseResult::kOutOfRange);
 }
 
 TEST(Messages, TagsAreOneForEachOrNone) {

@@ -14,7 +14,7 @@
 // since what was late a second ago may be late again; but once nothing of a second was, the line is good again, and the
 // delay has no reason any more. The shown moment follows by running up to a tenth slower or faster, which players do
 // not notice, and up to half faster to catch up, which they notice less than two seconds of an old picture.
-#include "client/jitter_buffer.h"
+#include "client/timing/jitter_buffer.h"
 
 #include <algorithm>
 #include <cassert>

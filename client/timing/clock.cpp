@@ -8,7 +8,7 @@
 // An overloaded server lets world time fall behind and says so in every packet. Local time is therefore scaled by the
 // published ratio before it is compared; otherwise offsets would grow steadily. The published ratio is a mean over the
 // last second and so comes late; while it is below 1 only the last half second of arrivals counts.
-#include "client/clock.h"
+#include "client/timing/clock.h"
 
 #include <algorithm>
 #include <cassert>

@@ -1,6 +1,6 @@
 // A link on which nearly everything is lost would show a world that jumps twice a second and call that playing, so it
 // is given up. The window is twice the silence that is allowed: a black-out that ends in time does not fill it.
-#include "client/link_judge.h"
+#include "client/timing/link_judge.h"
 
 #include "protocol/limits.h"
 
