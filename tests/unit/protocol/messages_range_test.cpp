@@ -107,7 +107,7 @@ TEST(Messages, WhatTheServerTellsOutOfRange) {
   EXPECT_EQ(parse(Kind::Said, kMaxSaidBytes), ParseResult::kOk);
   EXPECT_EQ(parse(Kind::Said, kMaxSaidBytes + 1), ParseResult::kOutOfRange);
   EXPECT_EQ(parse(Kind::Rename, kMaxNameBytes + 1), ParseResult::kOutOfRange);
-  EXPECT_EQ(parse(static_cast<Kind>(8), 0), ParseResult::kOutOfRange);
+  EXPECT_EQ(parse(static_cast<Kind>(10), 0), ParseResult::kOutOfRange);
   EXPECT_EQ(parse(Kind::Emote, 0, static_cast<wire::EmoteKind>(6)), ParseResult::kOutOfRange);
   EXPECT_EQ(ParseAs('s', MakeWelcome({.tickHz = 60, .snapshotHz = 30, .scene = "", .obstacles = {}, .talk = 4})),
             ParseResult::kOutOfRange);
