@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "protocol/codec/basis_reader.h"
+#include "protocol/heap_sort.h"
 #include "protocol/snapshot.h"
 #include "protocol/text.h"
 
@@ -25,7 +26,7 @@ bool IsOpen(const std::vector<std::array<std::uint16_t, 3>>& faces) {
   for (const auto& face : faces) {
     for (std::size_t i = 0; i < 3; ++i) edges.push_back(std::uint32_t{face[i]} << 16U | face[(i + 1) % 3]);
   }
-  std::sort(edges.begin(), edges.end());
+  protocol::HeapSort(edges);
   return std::any_of(edges.begin(), edges.end(), [&](std::uint32_t edge) {
     return !std::binary_search(edges.begin(), edges.end(), edge << 16U | edge >> 16U);
   });

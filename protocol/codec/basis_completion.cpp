@@ -11,6 +11,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "protocol/heap_sort.h"
+
 namespace wobble::protocol {
 
 Completion::Completion(std::span<const double> given, std::size_t rows, std::span<const std::size_t> order)
@@ -162,9 +164,7 @@ std::vector<double> MakeCosines(std::size_t nx, std::size_t ny, std::size_t nz) 
   const auto isBefore = [&](std::size_t a, std::size_t b) {
     return frequency(a) != frequency(b) ? frequency(a) < frequency(b) : a < b;
   };
-  // Not std::sort, which is 5 kB of WebAssembly for each comparison; the order is total, so the result is the same.
-  std::make_heap(modes.begin(), modes.end(), isBefore);
-  std::sort_heap(modes.begin(), modes.end(), isBefore);
+  HeapSort(modes, isBefore);
   std::vector<double> cosines;
   cosines.reserve(rows * rows);
   for (const std::size_t mode : modes) {

@@ -51,10 +51,11 @@ std::size_t CountTurns(std::size_t rest, std::size_t blocks) {
   return count;
 }
 
-bool IsPermutation(std::vector<std::uint16_t> order) {
-  std::sort(order.begin(), order.end());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    if (order[i] != i) return false;
+bool IsPermutation(std::span<const std::uint16_t> order) {
+  std::vector<std::uint8_t> seen(order.size());
+  for (const std::uint16_t number : order) {
+    if (number >= seen.size() || seen[number] != 0) return false;
+    seen[number] = 1;
   }
   return true;
 }

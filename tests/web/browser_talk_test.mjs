@@ -6,7 +6,7 @@ import os from 'node:os';
 import path from 'node:path';
 import { after, before } from 'node:test';
 
-import { joinPage, outputFolder, pageFolder, probe, startBrowser } from './support/browser.mjs';
+import { joinPage, outputFolder, pageFolder, probe, roomyScreen, startBrowser } from './support/browser.mjs';
 import { Program, sleep, startGateway, startServerOn, test, waitFor } from './support/programs.mjs';
 
 let browser;
@@ -47,8 +47,8 @@ test('lines, emotes, names, a mute and thuds in two pages', async () => {
     return program.lines;
   };
   const query = 'name=mira&quality=4';
-  const mira = await joinPage(browser, host, { query });
-  const other = await joinPage(browser, host, { query });
+  const mira = await joinPage(browser, host, { query, viewport: roomyScreen });
+  const other = await joinPage(browser, host, { query, viewport: roomyScreen });
   const { ownBody } = await probe(mira, 'state');
 
   const people = other.tab.getByLabel('Scene and players');
