@@ -56,6 +56,7 @@ void Runner::StartBot(double now) {
   client::Options options;
   options.name = "bot " + std::to_string(index + 1);
   options.isBot = true;
+  options.predict = false;  // what is shown is compared with where the server had it
   options.decode = m_options.decodeShare.Includes(index);
   options.protocolVersion = m_options.protocolVersion;
   options.kept = m_kept;

@@ -290,7 +290,8 @@ class Soak {
       Vector3d truth;
       if (sample.body == own) m_ownHeld += sample.held ? 1 : 0;
       if (sample.body == own && m_history.Find(own, tick, truth)) {
-        m_shown.push_back((ToVector(sample.pose.centroid) - truth).norm());
+        // Its lead is no error: it is ahead of the moment of the others on purpose.
+        m_shown.push_back((ToVector(sample.pose.centroid) - ToVector(sample.lead) - truth).norm());
       }
     }
   }

@@ -10,7 +10,7 @@ public static class WobbleNative
     public const int Joining = 0, Playing = 1, Rejoining = 2, Ended = 3; // states
     public const uint Jump = 1, Puff = 2, Stiffen = 4;                   // buttons
     public const int Join = 0, Leave = 1, Respawn = 2, BodyRemoved = 3, Fall = 4, Notice = 5, NewWorld = 6;
-    public const int Said = 7, Emoted = 8, Renamed = 9;
+    public const int Said = 7, Emoted = 8, Renamed = 9, Goal = 10, Crown = 11;
 
     [StructLayout(LayoutKind.Sequential)]
     public struct ConnectOptions
