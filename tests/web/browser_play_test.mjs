@@ -8,8 +8,8 @@ import path from 'node:path';
 import { after, before } from 'node:test';
 
 import {
-  compareScreenshots, findBody, findOwn, joinPage, outputFolder, pageFolder, probe, startBots, startBrowser, startWorld,
-  waitForPlaying,
+  compareScreenshots, findBody, findOwn, joinPage, outputFolder, pageFolder, probe, roomyScreen, startBots, startBrowser,
+  startWorld, waitForPlaying,
 } from './support/browser.mjs';
 import { binFolder, Program, sleep, startGateway, startServerOn, test, waitFor } from './support/programs.mjs';
 
@@ -154,7 +154,7 @@ async function measureAnswer(page, body, key) {
 
 test('with 100 ms of round trip the own body answers a key within 50 ms and a frame', async () => {
   const world = await startWorld('arena', ['--untrained'], 'delay=50ms');
-  const page = await joinPage(browser, world.host);
+  const page = await joinPage(browser, world.host, { viewport: roomyScreen });
   const { body } = await findOwn(page);
   const isPressed = () => page.tab.getByRole('button', { name: 'Show your own body at once' }).getAttribute('aria-pressed');
   await waitForStandstill(page, body);
