@@ -94,7 +94,7 @@ export class WorldPanel {
       this.m_pad.addEventListener(end, () => (this.m_isHeld = false));
     }
     this.m_pad.addEventListener('keydown', (event) => this.TiltByKey(event));
-    const level = MakeButton('Level', 'Gravity straight down', '', () =>
+    const level = MakeButton('Level', 'Level: gravity straight down', '', () =>
       this.TuneGravity({ x: 0, y: 0 }, kStandardGravity),
     );
     const row = MakeElement('div', 'row');
