@@ -154,7 +154,7 @@ async function measureAnswer(page, body, key) {
 
 test('with 100 ms of round trip the own body answers a key within 50 ms and a frame', async () => {
   const world = await startWorld('arena', ['--untrained'], 'delay=50ms');
-  const page = await joinPage(browser, world.host, { viewport: roomyScreen });
+  const page = await joinPage(browser, world.host, { query: 'quality=5', viewport: roomyScreen });
   const { body } = await findOwn(page);
   const isPressed = () => page.tab.getByRole('button', { name: 'Show your own body at once' }).getAttribute('aria-pressed');
   // The best of three: the browser renders in software, on cores that others use.
