@@ -123,8 +123,8 @@ async function waitForStandstill(page, body) {
     places.push(await probe(page, 'position', body));
     await sleep(100);
     const { x, y, z } = places.at(-1);
-    const isNear = (place) => Math.hypot(place.x - x, place.y - y, place.z - z) < 0.002;
-    return places.length > 8 && places.slice(-8).every(isNear);
+    const isNear = (place) => Math.hypot(place.x - x, place.y - y, place.z - z) < 0.005;
+    return places.length > 4 && places.slice(-4).every(isNear);
   });
 }
 
@@ -139,8 +139,8 @@ async function measureAnswer(page, body, key) {
         const now = performance.now();
         longest = Math.max(longest, now - last);
         last = now;
-        const { x, y } = window.wobble.position(body);
-        if (Math.hypot(x - from.x, y - from.y) < 0.0025) requestAnimationFrame(look);
+        const { x, y, z } = window.wobble.position(body);
+        if (Math.hypot(x - from.x, y - from.y, z - from.z) < 0.02) requestAnimationFrame(look);
         else resolve({ ms: now - event.timeStamp, frame: longest });
       };
       requestAnimationFrame(look);
@@ -157,11 +157,11 @@ test('with 100 ms of round trip the own body answers a key within 50 ms and a fr
   const page = await joinPage(browser, world.host, { query: 'quality=5', viewport: roomyScreen });
   const { body } = await findOwn(page);
   const isPressed = () => page.tab.getByRole('button', { name: 'Show your own body at once' }).getAttribute('aria-pressed');
-  // The best of three: the browser renders in software, on cores that others use.
+  // Jumps, after which a body is soon at rest. The best of three: the browser renders in software, on cores that others use.
   const answers = [];
-  for (const key of ['KeyW', 'KeyS', 'KeyW']) {
+  for (let attempt = 0; attempt < 3; ++attempt) {
     await waitForStandstill(page, body);
-    answers.push(await measureAnswer(page, body, key));
+    answers.push(await measureAnswer(page, body, 'Space'));
     if (answers.at(-1).ms < 50 + answers.at(-1).frame) break;
   }
   assert.ok(answers.some(({ ms, frame }) => ms < 50 + frame), JSON.stringify(answers));
@@ -170,7 +170,7 @@ test('with 100 ms of round trip the own body answers a key within 50 ms and a fr
   await page.tab.getByRole('button', { name: 'Show your own body at once' }).click();
   assert.equal(await isPressed(), 'false');
   await waitForStandstill(page, body);
-  const late = await measureAnswer(page, body, 'KeyS');
+  const late = await measureAnswer(page, body, 'Space');
   assert.ok(late.ms > 130, `without it ${late.ms} ms`);
   await page.tab.reload();
   await waitForPlaying(page.tab);
