@@ -39,6 +39,7 @@ function ListDesk({ hasBody, hasTools, mayTune }: Abilities): Line[] {
     ['V', 'view: forces, accelerations, springs'],
     ['X', 'surfaces on and off'],
     ...(mayTune ? ([['G', 'world: gravity, stiffness, time']] satisfies Line[]) : []),
+    ['Y', 'ready for the match, in the lobby of a game'],
     ['T or Enter', 'say a line to all'],
     ['Q', 'show an emote: then 1 to 6'],
     ['H or ?', 'this list'],
