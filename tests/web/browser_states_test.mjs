@@ -110,7 +110,7 @@ test('a game waits for players, and a silent server is told', async () => {
   world.server.process.kill('SIGSTOP');
   const line = page.tab.getByText(/^The server has been silent for [23] s$/);
   await line.waitFor();
-  assert.equal(await page.tab.locator('.figures b').first().textContent(), '–');
+  await waitFor('no ping', async () => (await page.tab.locator('.figures b').first().textContent()) === '–');
   world.server.process.kill('SIGCONT');
   await waitFor('the line to go', async () => !(await line.isVisible()));
   await waitFor('the ping', async () => / ms$/.test(await page.tab.locator('.figures b').first().textContent()));
