@@ -1,6 +1,7 @@
 // The display of bodies: the forces on one body by kind, springs in place of surfaces, and the own body ahead of the others.
 import { kForceColours } from '../scene/arrows';
 import { ForceKind } from 'wobble-client';
+import { Keep, ReadKept } from '../storage';
 import { MakeButton, MakeElement, SetPressed, SetText } from './element';
 
 const kForces = [
@@ -17,19 +18,7 @@ const kPredictKey = 'wobble.predict';
 // ?predict=0 or 1 comes before what was chosen here.
 function ReadPredicts(): boolean {
   const asked = new URLSearchParams(location.search).get('predict');
-  try {
-    return (asked ?? localStorage.getItem(kPredictKey)) !== '0';
-  } catch {
-    return asked !== '0';
-  }
-}
-
-function KeepPredicts(predicts: boolean): void {
-  try {
-    localStorage.setItem(kPredictKey, predicts ? '1' : '0');
-  } catch {
-    // Without storage the choice is not kept.
-  }
+  return (asked ?? ReadKept(kPredictKey)) !== '0';
 }
 
 export class ViewPanel {
@@ -55,7 +44,7 @@ export class ViewPanel {
     this.m_surface = MakeButton('Surface', 'Surface; off: the springs beneath', 'X', () => this.ToggleSurface());
     this.m_predicts = MakeButton('No delay', 'No delay: show your own body at once; off: as the server has it', '', () => {
       this.predicts = !this.predicts;
-      KeepPredicts(this.predicts);
+      Keep(kPredictKey, this.predicts ? '1' : '0');
       this.Show();
     });
     const first = MakeElement('div', 'row');

@@ -4,6 +4,7 @@ import { MakeElement, SetPressed } from '../hud/element';
 import type { Client, WorldEvent } from 'wobble-client';
 import { EventKind } from 'wobble-client';
 import type { Players } from '../players';
+import { Keep, ReadKept } from '../storage';
 import { ContactFinder, type MovingBody, type Thud } from './contacts';
 
 const kKey = 'wobble.volume';
@@ -137,7 +138,7 @@ export class Sound {
   private SetVolume(volume: number): void {
     this.m_volume = volume;
     if (volume > 0) this.m_last = volume;
-    KeepVolume(volume);
+    Keep(kKey, String(volume));
     this.Wake();
     if (this.m_out !== null) this.m_out.gain.value = volume ** 2;
     if (volume === 0) this.m_finder.Clear();
@@ -153,19 +154,7 @@ export class Sound {
 }
 
 function ReadVolume(): number {
-  try {
-    const kept = localStorage.getItem(kKey);
-    const volume = kept === null ? kUsual : Number(kept);
-    return volume >= 0 && volume <= 1 ? volume : kUsual;
-  } catch {
-    return kUsual; // without storage
-  }
-}
-
-function KeepVolume(volume: number): void {
-  try {
-    localStorage.setItem(kKey, String(volume));
-  } catch {
-    // Without storage the volume is not kept.
-  }
+  const kept = ReadKept(kKey);
+  const volume = kept === null ? kUsual : Number(kept);
+  return volume >= 0 && volume <= 1 ? volume : kUsual;
 }
