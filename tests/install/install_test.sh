@@ -40,9 +40,9 @@ fail() {
   exit 1
 }
 
-# Barely optimised, since what is tested is that it builds and plays. The compiler's launcher, as everywhere: the second run
+# Not optimised, since what is tested is that it builds and plays. The compiler's launcher, as everywhere: the second run
 # of a test need not compile again.
-configure() { cmake -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O1 -DCMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)" \
+configure() { cmake -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0 -DCMAKE_CXX_COMPILER_LAUNCHER="$(command -v ccache || true)" \
   -DCMAKE_EXPORT_COMPILE_COMMANDS=ON "$@" >"$folder/log" 2>&1 || { cat "$folder/log"; fail "cmake"; }; }
 compile() { cmake --build "$1" >"$folder/log" 2>&1 || { cat "$folder/log"; fail "the build of $1"; }; }
 install_dev() {

