@@ -117,6 +117,19 @@ test('a finger on the stick moves the body', () =>
     await touch('touchEnd');
   }, { viewport: { width: 390, height: 780 }, hasTouch: true, isMobile: true }));
 
+// A shipped scene in the folder, with other numbers where the fields first stand. Returns the file.
+function varyScene(folder, scene, fields) {
+  const scenes = path.join(binFolder, 'scenes');
+  let text = fs.readFileSync(path.join(scenes, `${scene}.toml`), 'utf8').replaceAll('meshes/', `${scenes}/meshes/`);
+  for (const [field, value] of Object.entries(fields)) {
+    assert.match(text, new RegExp(`^${field} = `, 'm'));
+    text = text.replace(new RegExp(`^${field} = .*$`, 'm'), `${field} = ${value}`);
+  }
+  const file = path.join(folder, `${scene}.toml`);
+  fs.writeFileSync(file, text);
+  return file;
+}
+
 // Waits until a body has neither rolled nor wobbled for most of a second.
 async function waitForStandstill(page, body) {
   const places = [];
@@ -124,38 +137,42 @@ async function waitForStandstill(page, body) {
     places.push(await probe(page, 'position', body));
     await sleep(100);
     const { x, y, z } = places.at(-1);
-    const isNear = (place) => Math.hypot(place.x - x, place.y - y, place.z - z) < 0.005;
+    const isNear = (place) => Math.hypot(place.x - x, place.y - y, place.z - z) < 0.02;
     return places.length > 4 && places.slice(-4).every(isNear);
   });
 }
 
 // Milliseconds from the event of a key to the frame that shows the body elsewhere, and those of the longest frame between.
 async function measureAnswer(page, body, key) {
-  const answer = page.tab.evaluate((body) => new Promise((resolve) => {
-    addEventListener('keydown', (event) => {
-      const from = window.wobble.position(body);
-      let last = event.timeStamp;
-      let longest = 0;
-      const look = () => {
-        const now = performance.now();
-        longest = Math.max(longest, now - last);
-        last = now;
-        const { x, y, z } = window.wobble.position(body);
-        const isElsewhere = Math.hypot(x - from.x, y - from.y, z - from.z) >= 0.02;
-        if (isElsewhere || now - event.timeStamp > 5000) resolve({ ms: now - event.timeStamp, frame: longest });
-        else requestAnimationFrame(look);
-      };
-      requestAnimationFrame(look);
-    }, { capture: true, once: true });
-  }), body);
+  // The listener first: an event comes to the page by another way than what is to be evaluated there, and may overtake it.
+  await page.tab.evaluate((body) => {
+    window.answer = new Promise((resolve) => {
+      addEventListener('keydown', (event) => {
+        const from = window.wobble.position(body);
+        let last = event.timeStamp;
+        let longest = 0;
+        const look = () => {
+          const now = performance.now();
+          longest = Math.max(longest, now - last);
+          last = now;
+          const { x, y, z } = window.wobble.position(body);
+          if (Math.hypot(x - from.x, y - from.y, z - from.z) < 0.06) requestAnimationFrame(look);
+          else resolve({ ms: now - event.timeStamp, frame: longest });
+        };
+        requestAnimationFrame(look);
+      }, { capture: true, once: true });
+    });
+  }, body);
   await page.tab.keyboard.down(key);
-  const { ms, frame } = await answer;
+  const answer = await page.tab.evaluate(() => window.answer);
   await page.tab.keyboard.up(key);
-  return { ms, frame };
+  return answer;
 }
 
 test('with 100 ms of round trip the own body answers a key within 50 ms and a frame', async () => {
-  const world = await startWorld('arena', ['--untrained'], 'delay=50ms');
+  const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'wobble-answer-'));
+  // Players who come to rest at once: as shipped they bounce for a quarter of a minute after each jump.
+  const world = await startWorld(varyScene(folder, 'arena', { damping_ratio: 2 }), ['--untrained'], 'delay=50ms');
   const page = await joinPage(browser, world.host, { query: 'quality=5', viewport: tinyScreen });
   const { body } = await findOwn(page);
   const isPressed = () => page.tab.getByRole('button', { name: 'Show your own body at once' }).getAttribute('aria-pressed');
@@ -181,6 +198,7 @@ test('with 100 ms of round trip the own body answers a key within 50 ms and a fr
   assert.deepEqual(page.complaints, []);
   await page.leave();
   await world.stop();
+  fs.rmSync(folder, { recursive: true });
 });
 
 test('what one grabs and lifts rises for the others too', () =>
@@ -323,19 +341,6 @@ test('the forces on a body are shown on request', () =>
     });
   }, {}));
 
-// A shipped scene in the folder, with other numbers in its rules. Returns the file.
-function shorten(folder, scene, rules) {
-  const scenes = path.join(binFolder, 'scenes');
-  let text = fs.readFileSync(path.join(scenes, `${scene}.toml`), 'utf8').replaceAll('meshes/', `${scenes}/meshes/`);
-  for (const [rule, value] of Object.entries(rules)) {
-    assert.match(text, new RegExp(`^${rule} = `, 'm'));
-    text = text.replace(new RegExp(`^${rule} = .*$`, 'm'), `${rule} = ${value}`);
-  }
-  const file = path.join(folder, `${scene}.toml`);
-  fs.writeFileSync(file, text);
-  return file;
-}
-
 // Runs at the ball, the crown or the nearest player, and pushes or grabs it.
 const eagerBot = `
 function run(bot)
@@ -360,9 +365,9 @@ end`;
 test('a whole match of each game is played with bots', async () => {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'wobble-games-'));
   const scenes = [
-    shorten(folder, 'sumo', { round: 10, points: 1 }),
-    shorten(folder, 'goals', { round: 10, points: 1, goal_line: 2, goal_half_width: 9 }),
-    shorten(folder, 'crown', { round: 10, points: 2 }),
+    varyScene(folder, 'sumo', { round: 10, points: 1 }),
+    varyScene(folder, 'goals', { round: 10, points: 1, goal_line: 2, goal_half_width: 9 }),
+    varyScene(folder, 'crown', { round: 10, points: 2 }),
   ];
   fs.writeFileSync(path.join(folder, 'eager.lua'), eagerBot);
   const socket = path.join(folder, 'admin.sock');
