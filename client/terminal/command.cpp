@@ -49,6 +49,7 @@ CLI::App* AddWords(CLI::App& app, WatchOptions& options, Words& words) {
       "If the scene allows it: G grabs and releases, V pushes, T cuts; 1 2 softer, stiffer, 3 4 slower, faster,\n"
       "5 skips one second, 6 7 tilt gravity.\n"
       "Enter begins a line to all and sends it, Esc gives it up; /vote restart and the like are orders.\n"
+      "Y says that you are ready, before a match.\n"
       "C camera (follow, circle, stand), J L or [ ] turn, I K tilt, + - zoom; ? lists the keys; Q, Esc, Ctrl-C quit.\n"
       "Who has no body, as in a recording, follows one player after the other with B.\n"
       "Keys of a recording:\n" +

@@ -154,6 +154,7 @@ std::vector<std::string> DescribeKeys(const StatusFigures& figures, const std::v
   lines.insert(lines.end(), hands.begin(), hands.end());
   lines.insert(lines.end(), {
                                 "X                let go of all keys",
+                                "Enter            a line to all, or /order     Y  ready, before a match",
                                 "",
                                 "C                camera: follow, circle, stand",
                                 "J L or [ ]       turn     I K  tilt     + -  zoom",

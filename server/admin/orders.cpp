@@ -264,7 +264,7 @@ constexpr std::array kEntries{
           "keeps out, for 24h unless TIME says more or less", Rank::kModerator, AddBan},
     Entry{"bans", "", 0, "who is kept out", Rank::kModerator, ListBans},
     Entry{"unban", "BAN|ADDRESS|account:N", 1, "ends a ban", Rank::kModerator, LiftBan},
-    Entry{"mute", "PLAYER [for TIME]", 3, "lets a player move only: no lines, emotes, hands, tuning or building",
+    Entry{"mute", "PLAYER [for TIME]", 3, "lets a player move only: no lines, emotes, new names, hands, tuning or building",
           Rank::kModerator, Mute},
     Entry{"unmute", "PLAYER", 1, "takes that back", Rank::kModerator, Unmute},
     Entry{"lock", "", 0, "lets only moderators and owners come in", Rank::kModerator, Lock},

@@ -110,7 +110,10 @@ test('an invite lets in, leaves the address, and its ticket lets the tab back in
   await waitForPlaying(late.tab);
   assert.equal(new URL(late.tab.url()).hash, '');
 
-  const client = /^ *(\d+) mira/m.exec((await order(socket, 'players')).join('\n'))[1];
+  const client = await waitFor('nobody else of this name', async () => {
+    const found = [...(await order(socket, 'players')).join('\n').matchAll(/^ *(\d+) mira/gm)];
+    return found.length === 1 && found[0][1];
+  });
   await order(socket, 'kick', client, 'be', 'nice');
   const card = late.tab.getByRole('status').filter({ hasText: 'You were sent away' });
   await card.waitFor();

@@ -137,7 +137,7 @@ async function waitForStandstill(page, body) {
     places.push(await probe(page, 'position', body));
     await sleep(100);
     const { x, y, z } = places.at(-1);
-    const isNear = (place) => Math.hypot(place.x - x, place.y - y, place.z - z) < 0.02;
+    const isNear = (place) => Math.hypot(place.x - x, place.y - y, place.z - z) < 0.008;
     return places.length > 4 && places.slice(-4).every(isNear);
   });
 }
@@ -173,7 +173,7 @@ test('with 100 ms of round trip the own body answers a key within 50 ms and a fr
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'wobble-answer-'));
   // Players who come to rest at once: as shipped they bounce for a quarter of a minute after each jump.
   const world = await startWorld(varyScene(folder, 'arena', { damping_ratio: 2 }), ['--untrained'], 'delay=50ms');
-  const page = await joinPage(browser, world.host, { query: 'quality=5', viewport: tinyScreen });
+  const page = await joinPage(browser, world.host, { query: 'quality=5', viewport: tinyScreen, wait: 0 });
   const { body } = await findOwn(page);
   const isPressed = () => page.tab.getByRole('button', { name: 'Show your own body at once' }).getAttribute('aria-pressed');
   // Jumps, after which a body is soon at rest. The best of three: the browser renders in software, on cores that others use.

@@ -14,7 +14,7 @@ let page;
 before(async () => {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'wobble-units-'));
   const outfile = path.join(folder, 'page.mjs');
-  const modules = ['scene/camera', 'scene/sight', 'scene/veil', 'stay', 'settings', 'hud/company', 'hud/link_line'];
+  const modules = ['scene/camera', 'scene/sight', 'scene/veil', 'stay', 'settings', 'hud/company', 'hud/link_line', 'input/held'];
   buildSync({
     stdin: {
       contents: modules.map((name) => `export * from './source/${name}';`).join('\n'),
@@ -247,4 +247,18 @@ test('silence is told after 1.5 s, and before overload', () => {
   assert.equal(FindLink(1.51, 1), Link.Silent);
   assert.equal(FindLink(1.51, 0.5), Link.Silent);
   assert.equal(FindLink(0.1, 0.5), Link.Overloaded);
+});
+
+test('a tap that is shorter than a frame counts for one frame', () => {
+  const held = new page.Held();
+  held.Press('Space');
+  held.Release('Space');
+  assert.ok(held.Has('Space'));
+  held.EndFrame();
+  assert.ok(!held.Has('Space'));
+  held.Press('KeyW');
+  held.EndFrame();
+  assert.ok(held.Has('KeyW'), 'it is still held');
+  held.Release('KeyW');
+  assert.ok(!held.Has('KeyW'));
 });

@@ -58,13 +58,18 @@ export function startBots(world, count, script = 'wander.lua') {
 
 // Opens the page in a tab without stored state: { tab, complaints, requests, failures, leave }. The lists hold its
 // console messages, requests and network errors. onTab: called with the tab before the first request. query: sets a
-// fixed quality, because the picture would otherwise change by itself. options: of the tab.
+// fixed quality, because the picture would otherwise change by itself. wait: before each frame, ms; to render all that
+// software can takes a core. options: of the tab.
 export async function openPage(
   browser,
   host,
-  { query = 'name=mira&quality=4', onTab = () => {}, scheme = 'http', ...options } = {},
+  { query = 'name=mira&quality=4', onTab = () => {}, scheme = 'http', wait = 80, ...options } = {},
 ) {
   const context = await browser.newContext({ viewport: smallScreen, reducedMotion: 'reduce', ...options });
+  await context.addInitScript((wait) => {
+    const request = window.requestAnimationFrame.bind(window);
+    if (wait > 0) window.requestAnimationFrame = (run) => setTimeout(request, wait, run);
+  }, wait);
   const tab = await context.newPage();
   const page = { tab, complaints: [], requests: [], failures: [], leave: () => context.close() };
   tab.on('console', (message) => {

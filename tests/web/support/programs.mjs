@@ -14,7 +14,7 @@ const started = new AsyncLocalStorage();
 
 // A test that fails instead of hanging, and ends the programs it started: Node would wait for running programs.
 export const test = (name, run) =>
-  runner.test(name, { timeout: 2 * patienceMs }, async (context) => {
+  runner.test(name, { timeout: 4 * patienceMs }, async (context) => {
     const own = [];
     context.after(() => own.forEach((program) => program.process.kill('SIGKILL')));
     await started.run(own, () => run(context));

@@ -35,6 +35,12 @@ export class Controls {
 
   // Call once a frame. client: null while there is no world, when commands act alone. hasBody: the player has one.
   Update(client: Client | null, hasBody: boolean, hasTool: boolean, seconds: number): void {
+    this.Act(client, hasBody, hasTool, seconds);
+    this.m_keys.EndFrame();
+    this.touch.EndFrame();
+  }
+
+  private Act(client: Client | null, hasBody: boolean, hasTool: boolean, seconds: number): void {
     this.m_pad.Update(document.querySelector('dialog[open]') !== null);
     if (this.m_pad.isUsed) this.watch.Note(Device.Pad);
     const isFree = this.m_camera.mode === CameraMode.Free;

@@ -1,4 +1,6 @@
 // The keyboard: held keys act as long as they are held, all others once.
+import { Held } from './held';
+
 export type Command =
   | 'camera'
   | 'view'
@@ -57,18 +59,22 @@ export class Keys {
   onCommand: (command: Command) => void = () => {};
   // Called with the name of the action that was used, for the hints.
   onUse: (what: string) => void = () => {};
-  private readonly m_held = new Set<string>(); // codes of held keys
+  private readonly m_held = new Held(); // codes
 
   constructor() {
     window.addEventListener('keydown', (event) => this.Press(event));
-    window.addEventListener('keyup', (event) => this.m_held.delete(event.code));
-    window.addEventListener('blur', () => this.m_held.clear());
+    window.addEventListener('keyup', (event) => this.m_held.Release(event.code));
+    window.addEventListener('blur', () => this.m_held.Clear());
   }
 
   // 1 while a key of the action is held, else 0.
   Read(action: string): number {
-    for (const code of this.m_held) if (kHeld[code] === action) return 1;
-    return 0;
+    return Object.keys(kHeld).some((code) => kHeld[code] === action && this.m_held.Has(code)) ? 1 : 0;
+  }
+
+  // Call when all have read the keys of a frame.
+  EndFrame(): void {
+    this.m_held.EndFrame();
   }
 
   private Press(event: KeyboardEvent): void {
@@ -79,7 +85,7 @@ export class Keys {
     const isSlider = IsChooser(event.target) && event.code.startsWith('Arrow');
     if (action !== undefined && !isSlider) {
       event.preventDefault();
-      this.m_held.add(event.code);
+      this.m_held.Press(event.code);
       this.onUse(FindUse(action));
       return;
     }

@@ -1,5 +1,6 @@
 // A stick on the left and round buttons on the right, for touch.
 import { MakeElement } from '../hud/element';
+import { Held } from './held';
 
 const kActions = [
   ['jump', 'Jump'],
@@ -14,7 +15,7 @@ export class TouchControls {
   moveX = 0;
   moveY = 0;
   private readonly m_knob = MakeElement('i');
-  private readonly m_held = new Map<string, number>(); // by action: the pointer
+  private readonly m_held = new Held(); // actions
   private m_finger: number | null = null;
 
   constructor() {
@@ -31,13 +32,18 @@ export class TouchControls {
   }
 
   Read(action: string): number {
-    return this.m_held.has(action) ? 1 : 0;
+    return this.m_held.Has(action) ? 1 : 0;
+  }
+
+  // Call when all have read the buttons of a frame.
+  EndFrame(): void {
+    this.m_held.EndFrame();
   }
 
   Show(hasStick: boolean, hasButtons: boolean): void {
     if (!hasStick && !this.stick.hidden) this.ReleaseStick();
     this.stick.hidden = !hasStick;
-    if (!hasButtons) this.m_held.clear();
+    if (!hasButtons) this.m_held.Clear();
     this.buttons.hidden = !hasButtons;
   }
 
@@ -46,13 +52,13 @@ export class TouchControls {
     button.type = 'button';
     button.addEventListener('pointerdown', (event) => {
       button.setPointerCapture(event.pointerId);
-      this.m_held.set(action, event.pointerId);
+      this.m_held.Press(action);
       button.classList.add('held');
       event.preventDefault();
     });
     for (const end of ['pointerup', 'pointercancel'] as const) {
       button.addEventListener(end, () => {
-        this.m_held.delete(action);
+        this.m_held.Release(action);
         button.classList.remove('held');
       });
     }
