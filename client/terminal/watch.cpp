@@ -14,7 +14,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <map>
 #include <string_view>
 
 #include "client/command/access.h"
@@ -30,6 +29,7 @@
 #include "client/terminal/hands.h"
 #include "client/terminal/keys.h"
 #include "client/terminal/line_field.h"
+#include "client/terminal/people.h"
 #include "client/terminal/picture_file.h"
 #include "client/terminal/renderer.h"
 #include "client/terminal/status.h"
@@ -48,14 +48,6 @@ constexpr double kRateEvery = 1;          // s between measurements of the rate
 constexpr double kSilence = 1.5;          // s without a snapshot after which the status line says so
 constexpr double kFigureSmoothing = 0.1;
 constexpr double kNoticeTime = 4;  // s for which a line from the server is shown
-
-// Replaces all but printable ASCII: one cell per character.
-std::string MakePlain(std::string text) {
-  for (char& c : text) {
-    if (c < 0x20 || c >= 0x7F) c = '?';
-  }
-  return text;
-}
 
 class Watch {
  public:
@@ -82,12 +74,13 @@ class Watch {
 
   void ReadKeys(double now);
   [[nodiscard]] bool TakeLine(const KeyEvent& event);
+  [[nodiscard]] bool MaySay();
+  [[nodiscard]] bool MayOrder();
   void Send(const std::string& line);
   void FollowNext();
   void NoteEvent(const client::Client::Event& event);
   void NoteNextScene(const std::string& scene);
   void Show(const std::string& notice);
-  [[nodiscard]] std::string NameOf(std::uint32_t clientId) const;
 
   void DrawFrame(double now);
   void DrawWorld(double now);
@@ -112,10 +105,7 @@ class Watch {
   transport::EnetTransport* m_transport = nullptr;
   std::unique_ptr<client::LastingClient> m_player;
   std::vector<client::BodySample> m_samples;
-  std::map<std::uint32_t, std::string> m_players;   // names by body
-  std::map<std::uint32_t, std::string> m_clients;   // names by client
-  std::map<std::uint32_t, std::uint32_t> m_owners;  // clients by body
-  bool m_hasOldNames = false;                       // of the connection or scene before, which is still shown
+  People m_people;
   Hands m_hands;
   FilmKeys m_film;
   Followed m_followed;
@@ -180,7 +170,7 @@ std::unique_ptr<transport::Transport> Watch::Dial(std::string& error) {
 }
 
 void Watch::Begin(client::Client& client) {
-  m_hasOldNames = true;
+  m_people.BeginAnew();
   m_hands = {};
   m_rateBytes = 0;
   client.OnEvent([this](const client::Client::Event& event) { NoteEvent(event); });
@@ -285,64 +275,42 @@ bool Watch::TakeLine(const KeyEvent& event) {
     if (const auto line = m_line.Take(event); line && !line->empty()) Send(*line);
     return event.key != kReleasesReported;  // which is no key
   }
-  const bool opens = event.key == kKeyEnter && !event.released && (Client().Welcome().talk & protocol::kMaySay) != 0;
-  if (!opens) return false;
+  if (event.key != kKeyEnter || event.released || !(MaySay() || MayOrder())) return false;
   m_controls.ReleaseAll();
   m_line.Open();
   return true;
 }
 
+bool Watch::MaySay() { return (Client().Welcome().talk & protocol::kMaySay) != 0; }
+
+// Who plays, and may show emotes, and who rules.
+bool Watch::MayOrder() {
+  const protocol::WelcomeFields& welcome = Client().Welcome();
+  return (welcome.talk & protocol::kMayEmote) != 0 || welcome.rank >= wire::Rank::Moderator;
+}
+
 void Watch::Send(const std::string& line) {
   if (line[0] == '/') {
     Client().Order(line.substr(1));
-  } else {
+  } else if (MaySay()) {
     Client().Say(line);
+  } else {
+    Show("nobody says lines here; what begins with / is an order: /help");
   }
 }
 
 void Watch::FollowNext() {
-  Show(m_followed.ChooseNext(m_players));
+  Show(m_followed.ChooseNext(m_people.Players()));
   m_camera.Choose(m_followed.Body() != 0 ? CameraMode::kFollow : CameraMode::kCircle);
 }
 
 void Watch::NoteEvent(const client::Client::Event& event) {
-  if (m_hasOldNames) {
-    m_players.clear();
-    m_owners.clear();
-    m_clients.clear();
-    m_hasOldNames = false;
-  }
-  if (event.kind == wire::EventKind::Join) {
-    const std::string name = MakePlain(event.name);
-    if (event.body != 0) m_players[event.body] = name;
-    if (event.body != 0) m_owners[event.body] = event.clientId;
-    m_clients[event.clientId] = name;
-  } else if (event.kind == wire::EventKind::Leave) {
-    m_players.erase(event.body);
-    m_owners.erase(event.body);
-    m_clients.erase(event.clientId);
-  } else if (event.kind == wire::EventKind::Fall) {
-    const auto fallen = m_players.find(event.body);
-    const std::string who = fallen == m_players.end() ? "somebody" : fallen->second;
-    Show(event.clientId == 0 ? who + " fell off" : NameOf(event.clientId) + " pushed " + who + " off");
-  } else if (event.kind == wire::EventKind::Said) {
-    Show(NameOf(event.clientId) + ": " + MakePlain(event.name));
-  } else if (event.kind == wire::EventKind::Emote) {
-    Show(NameOf(event.clientId) + " " + DescribeEmote(event.emote));
-  } else if (event.kind == wire::EventKind::Rename) {
-    const std::string name = MakePlain(event.name);
-    Show(NameOf(event.clientId) + " is " + name + " now");
-    if (event.body != 0) m_players[event.body] = name;
-    m_clients[event.clientId] = name;
-  } else if (event.kind == wire::EventKind::Goal) {
-    Show(event.clientId == 0 ? "own goal" : "goal by " + NameOf(event.clientId));
-  } else if (event.kind == wire::EventKind::Crown) {
-    Show(NameOf(event.clientId) + " has the crown");
-  }
+  const std::string line = m_people.Note(event);
+  if (!line.empty()) Show(line);
 }
 
 void Watch::NoteNextScene(const std::string& scene) {
-  m_hasOldNames = true;
+  m_people.BeginAnew();
   m_hands = {};
   Show("next scene: " + MakePlain(scene));
 }
@@ -350,11 +318,6 @@ void Watch::NoteNextScene(const std::string& scene) {
 void Watch::Show(const std::string& notice) {
   m_notice = notice;
   m_noticeUntil = command::ReadClock() + kNoticeTime;
-}
-
-std::string Watch::NameOf(std::uint32_t clientId) const {
-  const auto found = m_clients.find(clientId);
-  return found == m_clients.end() ? "somebody" : found->second;
 }
 
 void Watch::DrawFrame(double now) {
@@ -403,7 +366,7 @@ void Watch::WriteFigures(double now) {
   m_figures.pace = Client().Pace();
   m_figures.stalls = statistics.stalls;
   m_figures.bodies = m_samples.size();
-  m_figures.players = m_players.size();
+  m_figures.players = m_people.Players().size();
   if (statistics.snapshots != m_newsCount) m_newsAt = now;
   m_newsCount = statistics.snapshots;
   const bool isFilm = FilmKeys::IsFilm(Client());
@@ -411,7 +374,7 @@ void Watch::WriteFigures(double now) {
     m_film.Update(now, Client());
     WriteTop(m_grid, m_film.MakeLine(m_grid.columns - 2));
   } else if (!Client().Welcome().game.empty()) {
-    WriteTop(m_grid, FormatScores(Client().ReadScoreboard(), [this](std::uint32_t id) { return NameOf(id); }));
+    WriteTop(m_grid, FormatScores(Client().ReadScoreboard(), [this](std::uint32_t id) { return m_people.NameOf(id); }));
   }
   std::string words = now < m_noticeUntil ? m_notice : FormatStatus(m_figures);
   if (now >= m_newsAt + kSilence) words = FormatSilence(now - m_newsAt);
@@ -432,10 +395,10 @@ std::vector<std::string> Watch::DescribeOtherKeys(bool isFilm) {
 // The side of a player's body in a game; 0: none.
 int Watch::FindSide(std::uint32_t body) {
   const client::Scoreboard& board = Client().ReadScoreboard();
-  const auto owner = m_owners.find(body);
-  if (owner == m_owners.end()) return 0;
+  const std::uint32_t owner = m_people.FindOwner(body);
+  if (owner == 0) return 0;
   for (std::size_t i = 0; i < board.scores.size() && i < board.seats.size(); ++i) {
-    if (board.scores[i].client_id() == owner->second) return std::min<int>(board.seats[i].side(), 2);
+    if (board.scores[i].client_id() == owner) return std::min<int>(board.seats[i].side(), 2);
   }
   return 0;
 }
@@ -447,7 +410,7 @@ void Watch::DrawBodies(int width, int height) {
     const int side = FindSide(sample.body);
     const Light colour = side != 0                                   ? kSideColours[side - 1]
                          : sample.body == Client().Welcome().ownBody ? kOwnColour
-                         : m_players.contains(sample.body)           ? FindPlayerColour(sample.body)
+                         : m_people.Players().contains(sample.body)  ? FindPlayerColour(sample.body)
                                                                      : kSceneColour;
     const client::Blueprint& blueprint = *sample.blueprint;
     m_bodies.push_back({.vertices = sample.vertices,

@@ -13,6 +13,7 @@ export class TalkPanel {
   readonly chat = new Chat();
   private readonly m_emotes: Emotes;
   private readonly m_say: HTMLButtonElement;
+  private readonly m_order: HTMLButtonElement; // in place of the other, where nobody says lines
   private readonly m_emote: HTMLButtonElement;
   private m_may = 0; // bits of Talk
   private m_mayOrder = false;
@@ -25,9 +26,10 @@ export class TalkPanel {
     this.chat.onSay = (text) => this.Send(text, find());
     this.m_emotes.onChoose = (kind) => find()?.emote(kind);
     this.m_say = MakeButton('Say', 'Say a line to all', 'T', () => this.Say());
+    this.m_order = MakeButton('Order', 'Give an order, such as /help', 'T', () => this.Say());
     this.m_emote = MakeButton('Emote', 'Show an emote', 'Q', () => this.ShowEmotes());
     const bar = MakeElement('div', 'bar');
-    bar.append(this.m_say, this.m_emote, sound);
+    bar.append(this.m_say, this.m_order, this.m_emote, sound);
     this.chat.onOpen = (isOpen) => (bar.hidden = isOpen);
     this.element.append(this.chat.lines, this.m_emotes.row, this.chat.field, bar);
     this.Begin(null);
@@ -36,16 +38,18 @@ export class TalkPanel {
   // welcome: of another world; null: there is none.
   Begin(welcome: Welcome | null): void {
     this.m_may = welcome?.talk ?? 0;
-    this.m_mayOrder = (welcome?.rank ?? Rank.Watcher) >= Rank.Moderator;
+    // Who plays may show emotes.
+    this.m_mayOrder = (this.m_may & Talk.Emote) !== 0 || (welcome?.rank ?? Rank.Watcher) >= Rank.Moderator;
     this.m_say.hidden = !this.MaySay();
+    this.m_order.hidden = this.MaySay() || !this.m_mayOrder;
     this.m_emote.hidden = (this.m_may & Talk.Emote) === 0;
     this.m_emotes.row.hidden = true;
     this.m_emotes.Clear();
-    if (this.m_say.hidden) this.chat.Close();
+    if (!this.HasField()) this.chat.Close();
   }
 
   Say(): void {
-    if (this.MaySay()) this.chat.Open();
+    if (this.HasField()) this.chat.Open();
   }
 
   // A notice that answers an order is shown among the lines.
@@ -69,13 +73,18 @@ export class TalkPanel {
   }
 
   private MaySay(): boolean {
-    return this.m_mayOrder || (this.m_may & Talk.Say) !== 0;
+    return (this.m_may & Talk.Say) !== 0;
+  }
+
+  private HasField(): boolean {
+    return this.m_mayOrder || this.MaySay();
   }
 
   // A line that begins with / is an order to the server.
   private Send(text: string, client: Client | null): void {
     if (!text.startsWith('/')) {
-      client?.say(text);
+      if (this.MaySay()) client?.say(text);
+      else this.chat.AddNote('Nobody says lines here. What begins with / is an order: /help');
       return;
     }
     this.m_answersUntil = readNow() + kAnswerTime;

@@ -44,11 +44,26 @@ export class WorldMenu {
     SetText(this.m_purpose, FindPurpose(chosen));
   }
 
+  // An entry that says the same stays where it is: somebody may be pressing it.
   private ListRecordings(recordings: readonly Recording[]): void {
-    for (const button of this.m_list.querySelectorAll('button')) this.m_buttons.delete(button.dataset.file!);
-    this.m_list.replaceChildren(...recordings.map((recording) => this.MakeEntry(recording)));
+    const shown = [...this.m_list.querySelectorAll('button')];
+    const entries = recordings.map((recording) => this.FindEntry(recording));
+    const isShown = ({ dataset }: HTMLElement, i: number) => dataset.file === shown[i].dataset.file;
+    const isSameList = entries.length > 0 && entries.length === shown.length && entries.every(isShown);
+    if (isSameList) {
+      entries.forEach((entry, i) => entry !== shown[i] && shown[i].replaceWith(entry));
+    } else {
+      const files = new Set(recordings.map(({ file }) => file));
+      for (const { dataset } of shown) if (!files.has(dataset.file!)) this.m_buttons.delete(dataset.file!);
+      this.m_list.replaceChildren(...entries);
+    }
     if (recordings.length === 0) this.m_list.append(MakeElement('p', 'note', 'There are none yet.'));
     this.Show(this.m_chosen);
+  }
+
+  private FindEntry(recording: Recording): HTMLButtonElement {
+    const known = this.m_buttons.get(recording.file);
+    return known?.dataset.says === JSON.stringify(recording) ? known : this.MakeEntry(recording);
   }
 
   private MakeEntry(recording: Recording): HTMLButtonElement {
@@ -61,6 +76,7 @@ export class WorldMenu {
     button.append(MakeElement('span', 'note', fault === undefined ? note : `It ${fault}.`));
     button.disabled = fault !== undefined;
     button.dataset.file = file;
+    button.dataset.says = JSON.stringify(recording);
     this.m_buttons.set(file, button);
     return button;
   }
