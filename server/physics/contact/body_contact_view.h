@@ -7,6 +7,7 @@
 #include <span>
 
 #include "server/physics/contact/body_contact.h"
+#include "server/physics/contact/skin_side.h"
 
 namespace wobble::physics {
 
@@ -51,13 +52,13 @@ template <class Real>
 }
 
 // The vertex p seen from the nearest point of the face instead of from its plane: the normal is the direction to that
-// point (behind: the skin is in front of the vertex) and the depth the distance from it.
+// point (behind: the skin is in front of the vertex) and the depth the distance from it. weights: that point's.
 template <class Real>
 [[nodiscard]] FacePoint<Real> FindRounded(const Skin<Real>& skin, const FacePoint<Real>& at, const Vector3<Real>& p,
-                                          bool behind) {
+                                          const Vector3<Real>& weights, bool behind) {
   FacePoint<Real> rounded = at;
   rounded.rounded = true;
-  rounded.weights = FindNearestWeights(skin, at.face, p);
+  rounded.weights = weights;
   const Vector3<Real> back = Blend<Real>(rounded.weights, skin.faces[at.face], skin.x) - p;
   const Real sense = behind ? Real(1) : Real(-1);
   const Real distance = std::sqrt(back.dot(back));
@@ -68,23 +69,25 @@ template <class Real>
 
 // How a contact sees the vertex p from the face `at`. Below a ridge or a tip of an open skin no face is straight above
 // the vertex, and the nearest point of the skin pulls it back: that distance is steady as one face takes over from the
-// other. On a crumpled skin the planes of faces do not tell the sides. So a vertex has only changed sides if it can
-// have come through since the contact was last looked at; otherwise it is where it was, at that distance.
+// other. There planes of faces do not tell the sides (IsBehindSkin). And a vertex has only changed sides if it can have
+// come through since the contact was last looked at; otherwise it is where it was, at that distance.
 template <class Real>
 [[nodiscard]] FacePoint<Real> FindSeen(const Skin<Real>& skin, const BodyContact<Real>& contact,
                                        const FacePoint<Real>& at, const Vector3<Real>& p) {
   if (!skin.topology->isOpen || contact.phase == ContactPhase::kWaiting) return at;
+  if (at.weights.minCoeff() >= Real(0)) return at;
+  const Vector3<Real> weights = FindNearestWeights(skin, at.face, p);
   const Real before = contact.depth + contact.leap - skin.offset;
-  const Real behind = -at.distance - skin.offset;
-  const bool isBehind = behind > Real(0);
-  const bool isBeside = at.weights.minCoeff() < Real(0);
-  if (isBeside && (before > Real(0)) != isBehind) {
-    const FacePoint<Real> kept = FindRounded(skin, at, p, !isBehind);
+  const bool isBehind = IsBehindSkin(skin, at, weights, p);
+  if ((before > Real(0)) != isBehind) {
+    const FacePoint<Real> kept = FindRounded(skin, at, p, weights, !isBehind);
     const Real play = contact.maxDepth - std::max(Real(0), contact.depth);
     if (std::abs(kept.distance + skin.offset) + std::abs(before) > play) return kept;
   }
-  if (!isBeside || !isBehind || (IsPastBorder(skin, at) && behind * behind < at.doubleArea)) return at;
-  return FindRounded(skin, at, p, true);
+  const Real below = -at.distance - skin.offset;
+  const bool isNearBorder = IsPastBorder(skin, at) && below * below < at.doubleArea;
+  if (isBehind == IsInside(skin, at) && (!isBehind || isNearBorder)) return at;
+  return FindRounded(skin, at, p, weights, isBehind);
 }
 
 // Whether the contact exerts force (ContactPhase). at: with the leap added to its distance.
