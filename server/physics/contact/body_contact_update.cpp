@@ -84,17 +84,11 @@ bool HasLeaptBehind(const Meeting<Real>& meeting, const BodyContact<Real>& conta
   return -at.distance - skin.offset - before > play;
 }
 
-// The vertex in front of the open skin, at the distance of the nearest point of the face.
-template <class Real>
-FacePoint<Real> StayInFront(const Skin<Real>& skin, const FacePoint<Real>& at, const Vector3<Real>& p) {
-  return FindRounded(skin, at, p, FindNearestWeights(skin, at.face, p), false);
-}
-
 // The vertex of a new contact, in front of the open skin. Where the nearest face's plane has it behind, it is seen from
 // the nearest point.
 template <class Real>
 FacePoint<Real> SeeFirst(const Skin<Real>& skin, const FacePoint<Real>& at, const Vector3<Real>& p) {
-  return IsInside(skin, at) ? StayInFront(skin, at, p) : at;
+  return IsInside(skin, at) ? FindRounded(skin, at, p, false) : at;
 }
 
 // FindPresentFace after a substep of h s, with the leap brought up to date and added to the distance that is returned.
@@ -112,7 +106,7 @@ FacePoint<Real> RenewContact(const ContactParameters<Real>& parameters, const Me
   if (contact.side == sideBefore) {
     const Skin<Real> skin = SkinFrom(meeting, contact.side);
     at = FindSeen(skin, contact, at, p);
-    if (HasLeaptBehind(meeting, contact, at, h)) at = StayInFront(skin, at, p);
+    if (HasLeaptBehind(meeting, contact, at, h)) at = FindRounded(skin, at, p, false);
     NoteLeap(parameters, meeting, at, h, contact);
   } else {
     // The depth is the same from both sides: the skin's points lie in the middle of Skin::offset.
@@ -130,8 +124,7 @@ FacePoint<Real> ChooseSide(const Meeting<Real>& meeting, const FacePoint<Real>& 
   side = SkinSide::kFront;
   const Skin<Real> skin = SkinFrom(meeting, side);
   if (!skin.topology->isOpen) return TurnToFacing(skin, front, p, outward, static_cast<Real>(kArmingDepth));
-  const bool isBehind = IsBehindSkin(skin, front, FindNearestWeights(skin, front.face, p), p);
-  if (!isBehind) return SeeFirst(skin, front, p);
+  if (!IsBehindSkin(skin, front, p)) return SeeFirst(skin, front, p);
   side = SkinSide::kBack;
   const Skin<Real> back = SkinFrom(meeting, side);
   return SeeFirst(back, FindNearestFace(back, FindFacePoint(back, front.face, p), p), p);
@@ -169,7 +162,7 @@ FacePoint<Real> RecallContact(const ContactParameters<Real>& parameters, const M
   if (!stands || contact.phase == ContactPhase::kWaiting || LooksAlong(at, contact.outward)) {
     return RenewContact(parameters, meeting, p, at, Real(0), contact);
   }
-  if (HasLeaptBehind(meeting, contact, at, Real(0))) at = StayInFront(SkinFrom(meeting, contact.side), at, p);
+  if (HasLeaptBehind(meeting, contact, at, Real(0))) at = FindRounded(SkinFrom(meeting, contact.side), at, p, false);
   NoteLeap(parameters, meeting, at, Real(0), contact);
   at.distance += contact.leap;
   return at;

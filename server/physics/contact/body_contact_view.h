@@ -52,13 +52,13 @@ template <class Real>
 }
 
 // The vertex p seen from the nearest point of the face instead of from its plane: the normal is the direction to that
-// point (behind: the skin is in front of the vertex) and the depth the distance from it. weights: that point's.
+// point (behind: the skin is in front of the vertex) and the depth the distance from it.
 template <class Real>
 [[nodiscard]] FacePoint<Real> FindRounded(const Skin<Real>& skin, const FacePoint<Real>& at, const Vector3<Real>& p,
-                                          const Vector3<Real>& weights, bool behind) {
+                                          bool behind) {
   FacePoint<Real> rounded = at;
   rounded.rounded = true;
-  rounded.weights = weights;
+  rounded.weights = FindNearestWeights(skin, at.face, p);
   const Vector3<Real> back = Blend<Real>(rounded.weights, skin.faces[at.face], skin.x) - p;
   const Real sense = behind ? Real(1) : Real(-1);
   const Real distance = std::sqrt(back.dot(back));
@@ -67,27 +67,35 @@ template <class Real>
   return rounded;
 }
 
+// Whether the vertex p, beside the face `at` of an open skin, is behind the skin. It has only changed sides if it can
+// have come through since the contact was last looked at: from `before` m behind to where it is now. Then the skin round
+// the nearest point tells (IsBehindSkin).
+template <class Real>
+[[nodiscard]] bool IsBehindNow(const Skin<Real>& skin, const BodyContact<Real>& contact, const FacePoint<Real>& at,
+                               const Vector3<Real>& p) {
+  const Real before = contact.depth + contact.leap - skin.offset;
+  const Real play = contact.maxDepth - std::max(Real(0), contact.depth);
+  const bool wasBehind = before > Real(0);
+  const auto isTooFar = [&](const FacePoint<Real>& from) {
+    return std::abs(from.distance + skin.offset) + std::abs(before) > play;
+  };
+  if (isTooFar(at) || IsBehindSkin(skin, at, p) == wasBehind) return wasBehind;
+  return isTooFar(FindRounded(skin, at, p, !wasBehind)) ? wasBehind : !wasBehind;
+}
+
 // How a contact sees the vertex p from the face `at`. Below a ridge or a tip of an open skin no face is straight above
 // the vertex, and the nearest point of the skin pulls it back: that distance is steady as one face takes over from the
-// other. There planes of faces do not tell the sides (IsBehindSkin). And a vertex has only changed sides if it can have
-// come through since the contact was last looked at; otherwise it is where it was, at that distance.
+// other. Nor do planes of faces tell the sides there.
 template <class Real>
 [[nodiscard]] FacePoint<Real> FindSeen(const Skin<Real>& skin, const BodyContact<Real>& contact,
                                        const FacePoint<Real>& at, const Vector3<Real>& p) {
   if (!skin.topology->isOpen || contact.phase == ContactPhase::kWaiting) return at;
   if (at.weights.minCoeff() >= Real(0)) return at;
-  const Vector3<Real> weights = FindNearestWeights(skin, at.face, p);
-  const Real before = contact.depth + contact.leap - skin.offset;
-  const bool isBehind = IsBehindSkin(skin, at, weights, p);
-  if ((before > Real(0)) != isBehind) {
-    const FacePoint<Real> kept = FindRounded(skin, at, p, weights, !isBehind);
-    const Real play = contact.maxDepth - std::max(Real(0), contact.depth);
-    if (std::abs(kept.distance + skin.offset) + std::abs(before) > play) return kept;
-  }
+  const bool isBehind = IsBehindNow(skin, contact, at, p);
   const Real below = -at.distance - skin.offset;
-  const bool isNearBorder = IsPastBorder(skin, at) && below * below < at.doubleArea;
-  if (isBehind == IsInside(skin, at) && (!isBehind || isNearBorder)) return at;
-  return FindRounded(skin, at, p, weights, isBehind);
+  const bool isAtBorder = IsPastBorder(skin, at) && below * below < at.doubleArea;
+  if (isBehind == IsInside(skin, at) && (!isBehind || isAtBorder)) return at;
+  return FindRounded(skin, at, p, isBehind);
 }
 
 // Whether the contact exerts force (ContactPhase). at: with the leap added to its distance.

@@ -40,12 +40,11 @@ template <class Real>
   return skin.side * sum;
 }
 
-// Whether p is behind the open skin whose nearest face is that of `at`. weights: of the face's point that is nearest to
-// p; at a border the face's plane tells.
+// Whether p is behind the open skin whose nearest face is that of `at`. Past a border the face's plane tells.
 template <class Real>
-[[nodiscard]] bool IsBehindSkin(const Skin<Real>& skin, const FacePoint<Real>& at, const Vector3<Real>& weights,
-                                const Vector3<Real>& p) {
+[[nodiscard]] bool IsBehindSkin(const Skin<Real>& skin, const FacePoint<Real>& at, const Vector3<Real>& p) {
   if (at.weights.minCoeff() >= Real(0)) return IsInside(skin, at);
+  const Vector3<Real> weights = FindNearestWeights(skin, at.face, p);
   const Face& face = skin.faces[at.face];
   const Vector3<Real> way =
       p - (weights[0] * skin.x[face[0]] + weights[1] * skin.x[face[1]] + weights[2] * skin.x[face[2]]);
