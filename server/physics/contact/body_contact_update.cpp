@@ -84,6 +84,13 @@ bool HasLeaptBehind(const Meeting<Real>& meeting, const BodyContact<Real>& conta
   return -at.distance - skin.offset - before > play;
 }
 
+// The vertex of a new contact, in front of the open skin. Where the nearest face's plane has it behind, it is seen from
+// the nearest point.
+template <class Real>
+FacePoint<Real> SeeFirst(const Skin<Real>& skin, const FacePoint<Real>& at, const Vector3<Real>& p) {
+  return IsInside(skin, at) ? FindRounded(skin, at, p, false) : at;
+}
+
 // FindPresentFace after a substep of h s, with the leap brought up to date and added to the distance that is returned.
 // before: as there.
 template <class Real>
@@ -117,10 +124,10 @@ FacePoint<Real> ChooseSide(const Meeting<Real>& meeting, const FacePoint<Real>& 
   side = SkinSide::kFront;
   const Skin<Real> skin = SkinFrom(meeting, side);
   if (!skin.topology->isOpen) return TurnToFacing(skin, front, p, outward, static_cast<Real>(kArmingDepth));
-  if (!IsInside(skin, front)) return front;
+  if (!IsBehindSkin(skin, front, p)) return SeeFirst(skin, front, p);
   side = SkinSide::kBack;
   const Skin<Real> back = SkinFrom(meeting, side);
-  return FindNearestFace(back, FindFacePoint(back, front.face, p), p);
+  return SeeFirst(back, FindNearestFace(back, FindFacePoint(back, front.face, p), p), p);
 }
 
 template <class Real>
@@ -155,6 +162,7 @@ FacePoint<Real> RecallContact(const ContactParameters<Real>& parameters, const M
   if (!stands || contact.phase == ContactPhase::kWaiting || LooksAlong(at, contact.outward)) {
     return RenewContact(parameters, meeting, p, at, Real(0), contact);
   }
+  if (HasLeaptBehind(meeting, contact, at, Real(0))) at = FindRounded(SkinFrom(meeting, contact.side), at, p, false);
   NoteLeap(parameters, meeting, at, Real(0), contact);
   at.distance += contact.leap;
   return at;

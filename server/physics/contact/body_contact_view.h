@@ -7,6 +7,7 @@
 #include <span>
 
 #include "server/physics/contact/body_contact.h"
+#include "server/physics/contact/skin_side.h"
 
 namespace wobble::physics {
 
@@ -66,25 +67,35 @@ template <class Real>
   return rounded;
 }
 
+// Whether the vertex p, beside the face `at` of an open skin, is behind the skin. It has only changed sides if it can
+// have come through since the contact was last looked at: from `before` m behind to where it is now. Then the skin round
+// the nearest point tells (IsBehindSkin).
+template <class Real>
+[[nodiscard]] bool IsBehindNow(const Skin<Real>& skin, const BodyContact<Real>& contact, const FacePoint<Real>& at,
+                               const Vector3<Real>& p) {
+  const Real before = contact.depth + contact.leap - skin.offset;
+  const Real play = contact.maxDepth - std::max(Real(0), contact.depth);
+  const bool wasBehind = before > Real(0);
+  const auto isTooFar = [&](const FacePoint<Real>& from) {
+    return std::abs(from.distance + skin.offset) + std::abs(before) > play;
+  };
+  if (isTooFar(at) || IsBehindSkin(skin, at, p) == wasBehind) return wasBehind;
+  return isTooFar(FindRounded(skin, at, p, !wasBehind)) ? wasBehind : !wasBehind;
+}
+
 // How a contact sees the vertex p from the face `at`. Below a ridge or a tip of an open skin no face is straight above
 // the vertex, and the nearest point of the skin pulls it back: that distance is steady as one face takes over from the
-// other. On a crumpled skin the planes of faces do not tell the sides. So a vertex has only changed sides if it can
-// have come through since the contact was last looked at; otherwise it is where it was, at that distance.
+// other. Nor do planes of faces tell the sides there.
 template <class Real>
 [[nodiscard]] FacePoint<Real> FindSeen(const Skin<Real>& skin, const BodyContact<Real>& contact,
                                        const FacePoint<Real>& at, const Vector3<Real>& p) {
   if (!skin.topology->isOpen || contact.phase == ContactPhase::kWaiting) return at;
-  const Real before = contact.depth + contact.leap - skin.offset;
-  const Real behind = -at.distance - skin.offset;
-  const bool isBehind = behind > Real(0);
-  const bool isBeside = at.weights.minCoeff() < Real(0);
-  if (isBeside && (before > Real(0)) != isBehind) {
-    const FacePoint<Real> kept = FindRounded(skin, at, p, !isBehind);
-    const Real play = contact.maxDepth - std::max(Real(0), contact.depth);
-    if (std::abs(kept.distance + skin.offset) + std::abs(before) > play) return kept;
-  }
-  if (!isBeside || !isBehind || (IsPastBorder(skin, at) && behind * behind < at.doubleArea)) return at;
-  return FindRounded(skin, at, p, true);
+  if (at.weights.minCoeff() >= Real(0)) return at;
+  const bool isBehind = IsBehindNow(skin, contact, at, p);
+  const Real below = -at.distance - skin.offset;
+  const bool isAtBorder = IsPastBorder(skin, at) && below * below < at.doubleArea;
+  if (isBehind == IsInside(skin, at) && (!isBehind || isAtBorder)) return at;
+  return FindRounded(skin, at, p, isBehind);
 }
 
 // Whether the contact exerts force (ContactPhase). at: with the leap added to its distance.
