@@ -3,40 +3,14 @@
 # and their bots play on a native server.
 #
 #   bash arm64_test.sh ARM_BUILD NATIVE_BUILD   with target `programs` built in both; PLAY_SECONDS (10) each way
-set -euo pipefail
+readonly case_name=arm64
+. "${0%/*}/place.sh"
 arm="$(cd "${1:?usage: arm64_test.sh ARM_BUILD NATIVE_BUILD}" && pwd)"
 native="$(cd "${2:?usage: arm64_test.sh ARM_BUILD NATIVE_BUILD}" && pwd)"
-source="$(cd "$(dirname "$0")/../.." && pwd)"
 seconds="${PLAY_SECONDS:-10}"
-folder="$(mktemp -d)"
-clean_up() {
-  for running in $(jobs -pr); do kill "$running" 2>/dev/null || true; done
-  wait
-  rm -rf "$folder"
-}
-trap clean_up EXIT
-trap 'exit 1' HUP INT TERM
-export XDG_STATE_HOME="$folder/state" WOBBLE_ADMIT_WHEN_BUSY=1 WOBBLE_UNTRAINED=1
-unset STATE_DIRECTORY
+export WOBBLE_ADMIT_WHEN_BUSY=1 WOBBLE_UNTRAINED=1
 
-fail() {
-  echo "FAILED: $1"
-  exit 1
-}
 emulate() { qemu-aarch64 -L "$source/build/arm64-sysroot" "$@"; }
-# start_server COMMAND...: starts `wobbled` in this way and sets `port`.
-start_server() {
-  "$@" --scene arena --port 0 --for 300 >"$folder/server" 2>&1 &
-  server=$!
-  port=""
-  for _ in $(seq 600); do
-    port="$(sed -n 's/^listening on UDP port \([0-9]*\).*/\1/p' "$folder/server")"
-    [ -n "$port" ] && return
-    sleep 0.1
-  done
-  cat "$folder/server"
-  fail "a server that listens"
-}
 stop_server() {
   kill -TERM "$server"
   wait "$server" || { cat "$folder/server"; fail "a server that ends well"; }
@@ -61,10 +35,10 @@ for file in "$folder"/root/usr/bin/wobble* "$folder"/root/usr/lib/*.so.0.*; do
 done
 emulate "$folder/root/usr/bin/wobbled" --list-scenes | grep -q '^arena ' || fail "shipped scenes"
 
-start_server emulate "$folder/root/usr/bin/wobbled"
+start_server emulate "$folder/root/usr/bin/wobbled" --scene arena --for 300
 play "$native/bin/wobble"
 stop_server
-start_server "$native/bin/wobbled"
+start_server "$native/bin/wobbled" --scene arena --for 300
 play emulate "$folder/root/usr/bin/wobble"
 stop_server
 echo "ok arm64"
