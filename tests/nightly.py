@@ -90,7 +90,7 @@ def list_jobs():
             ["ctest", "--test-dir", f"build/arm64-{compiler}", "--output-on-failure", "-j9", "-R",
              "determinism|Golden|CrowdEncoder|ModeSums"]]))
     gcc = "aarch64-linux-gnu-g++"
-    jobs.append(("arm64_packages", 10, release_build("programs") + build_for_arm(gcc, "programs") + [
+    jobs.append(("arm64_packages", 10, release_build("wobbled", "wobble") + build_for_arm(gcc, "programs") + [
         ["bash", "tests/install/arm64_test.sh", f"build/arm64-{gcc}", "build/release"]]))
     return jobs
 

@@ -2,7 +2,8 @@
 # The Debian packages for 64-bit ARM, unpacked beside Debian's ARM libraries and run by qemu: their server hosts native bots,
 # and their bots play on a native server.
 #
-#   bash arm64_test.sh ARM_BUILD NATIVE_BUILD   with target `programs` built in both; PLAY_SECONDS (10) each way
+#   bash arm64_test.sh ARM_BUILD NATIVE_BUILD   with target `programs` built in the first, `wobbled` and `wobble` in the
+#                                               second; PLAY_SECONDS (10) each way
 readonly case_name=arm64
 . "${0%/*}/place.sh"
 arm="$(cd "${1:?usage: arm64_test.sh ARM_BUILD NATIVE_BUILD}" && pwd)"
