@@ -11,14 +11,15 @@ native="$(cd "${2:?usage: arm64_test.sh ARM_BUILD NATIVE_BUILD}" && pwd)"
 seconds="${PLAY_SECONDS:-10}"
 export WOBBLE_ADMIT_WHEN_BUSY=1 WOBBLE_UNTRAINED=1
 
-emulate() { qemu-aarch64 -L "$source/build/arm64-sysroot" "$@"; }
+emulate=(qemu-aarch64 -L "$source/build/arm64-sysroot") # no function: a signal would go to the shell that runs it
 stop_server() {
   kill -TERM "$server"
   wait "$server" || { cat "$folder/server"; fail "a server that ends well"; }
 }
 # play COMMAND...: `wobble` in this way, as four bots that play all the time.
 play() {
-  timeout $((seconds + 60)) "$@" bots "127.0.0.1:$port" --count 4 --for "$seconds" >"$folder/played" 2>&1 ||
+  timeout $((seconds + 60)) "$@" bots "127.0.0.1:$port" --script wander.lua --count 4 --for "$seconds" \
+    >"$folder/played" 2>&1 ||
     { cat "$folder/played" "$folder/server"; fail "bots that play"; }
   tail -3 "$folder/played"
 }
@@ -34,12 +35,12 @@ done
 for file in "$folder"/root/usr/bin/wobble* "$folder"/root/usr/lib/*.so.0.*; do
   file "$file" | grep -q 'ARM aarch64.*stripped' || { file "$file"; fail "a stripped program for ARM"; }
 done
-emulate "$folder/root/usr/bin/wobbled" --list-scenes | grep -q '^arena ' || fail "shipped scenes"
+"${emulate[@]}" "$folder/root/usr/bin/wobbled" --list-scenes | grep -q '^arena ' || fail "shipped scenes"
 
-start_server emulate "$folder/root/usr/bin/wobbled" --scene arena --for 300
+start_server "${emulate[@]}" "$folder/root/usr/bin/wobbled" --scene arena --for 300
 play "$native/bin/wobble"
 stop_server
 start_server "$native/bin/wobbled" --scene arena --for 300
-play emulate "$folder/root/usr/bin/wobble"
+play "${emulate[@]}" "$folder/root/usr/bin/wobble"
 stop_server
 echo "ok arm64"
