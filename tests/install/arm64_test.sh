@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# The Debian packages for 64-bit ARM, unpacked beside Debian's ARM libraries and run by qemu: their server hosts native bots,
-# and their bots play on a native server.
+# The Debian packages for 64-bit ARM: wobble-server is unpacked in a fresh Debian for ARM, with what it depends on and no
+# more, and run there by qemu. Its server hosts native bots, and its bots play on a native server. Nothing is installed:
+# the packages' scripts do not run.
 #
 #   bash arm64_test.sh ARM_BUILD NATIVE_BUILD   with target `programs` built in the first, `wobbled` and `wobble` in the
 #                                               second; PLAY_SECONDS (10) each way
@@ -11,7 +12,6 @@ native="$(cd "${2:?usage: arm64_test.sh ARM_BUILD NATIVE_BUILD}" && pwd)"
 seconds="${PLAY_SECONDS:-10}"
 export WOBBLE_ADMIT_WHEN_BUSY=1 WOBBLE_UNTRAINED=1
 
-emulate=(qemu-aarch64 -L "$source/build/arm64-sysroot") # no function: a signal would go to the shell that runs it
 stop_server() {
   kill -TERM "$server"
   wait "$server" || { cat "$folder/server"; fail "a server that ends well"; }
@@ -28,13 +28,19 @@ play() {
 for package in wobble-server libwobble-dev; do
   file="$(ls "$folder/packages/${package}"_*_arm64.deb)" || fail "$package for arm64"
   [ "$(dpkg-deb --field "$file" Architecture)" = arm64 ] || fail "the architecture of $package"
-  dpkg-deb --field "$file" Depends | grep -q libenet7 || fail "what $package depends on"
-  dpkg-deb -x "$file" "$folder/root"
+  dpkg-deb -x "$file" "$folder/unpacked"
   echo "$(basename "$file") $(stat -c %s "$file") bytes"
 done
-for file in "$folder"/root/usr/bin/wobble* "$folder"/root/usr/lib/*.so.0.*; do
+for file in "$folder"/unpacked/usr/bin/wobble* "$folder"/unpacked/usr/lib/*.so.0.*; do
   file "$file" | grep -q 'ARM aarch64.*stripped' || { file "$file"; fail "a stripped program for ARM"; }
 done
+
+cd "$folder/packages"
+dpkg-scanpackages . >Packages 2>"$folder/log" || { cat "$folder/log"; fail "an index of the packages"; }
+mmdebstrap --quiet --variant=extract --architectures=arm64 --include=wobble-server \
+  --setup-hook="echo 'deb [trusted=yes] copy:$folder/packages ./' >\"\$1/etc/apt/sources.list.d/wobble.list\"" \
+  bookworm "$folder/root" >"$folder/log" 2>&1 || { tail -20 "$folder/log"; fail "a Debian for ARM with wobble-server"; }
+emulate=(qemu-aarch64 -L "$folder/root") # no function: a signal would go to the shell that runs it
 "${emulate[@]}" "$folder/root/usr/bin/wobbled" --list-scenes | grep -q '^arena ' || fail "shipped scenes"
 
 start_server "${emulate[@]}" "$folder/root/usr/bin/wobbled" --scene arena --for 300
