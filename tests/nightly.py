@@ -2,6 +2,7 @@
 """The longer run, in parts: what is too slow for `make test`.
 
     python3 tests/nightly.py K/N          the K-th of N parts (make nightly PART=K/N)
+    python3 tests/nightly.py JOB          one job alone (make nightly PART=JOB)
     python3 tests/nightly.py --list N     the jobs of each part, with the minutes that they take on two cores
 
 Jobs are dealt out by their minutes, the longest first to the part that has least; two parts take less than 120 minutes
@@ -33,6 +34,13 @@ FUZZ_SECONDS = 600  # of each target
 def release_build(*targets):
     return [["sh", "docker/packages.sh", "server", "web", "test", "python", "lab"], ["cmake", "--preset", "release"],
             ["cmake", "--build", "--preset", "release", "--target", *targets]]
+
+
+def build_for_arm(compiler, target):
+    folder = f"build/arm64-{compiler}"
+    return [["sh", "docker/packages.sh", "server", "test", "arm"], ["sh", "docker/arm64_sysroot.sh"],
+            ["cmake", "--preset", "arm64", "-B", folder, f"-DCMAKE_CXX_COMPILER={compiler}"],
+            ["cmake", "--build", folder, "--target", target]]
 
 
 def list_jobs():
@@ -78,12 +86,12 @@ def list_jobs():
         ["ctest", "--preset", "tsan", "-R", "determinism|threads_test"]]))
     # The golden scenes, recordings and bytes by 64-bit ARM, emulated, of both compilers.
     for compiler in ("aarch64-linux-gnu-g++", "clang++-19"):
-        folder = f"build/arm64-{compiler}"
-        jobs.append((f"arm64_{compiler}", 20, [
-            ["sh", "docker/packages.sh", "server", "test", "arm"], ["sh", "docker/arm64_sysroot.sh"],
-            ["cmake", "--preset", "arm64", "-B", folder, f"-DCMAKE_CXX_COMPILER={compiler}"],
-            ["cmake", "--build", folder, "--target", "emulated_tests"],
-            ["ctest", "--test-dir", folder, "--output-on-failure", "-j9", "-R", "determinism|Golden|CrowdEncoder|ModeSums"]]))
+        jobs.append((f"arm64_{compiler}", 20, build_for_arm(compiler, "emulated_tests") + [
+            ["ctest", "--test-dir", f"build/arm64-{compiler}", "--output-on-failure", "-j9", "-R",
+             "determinism|Golden|CrowdEncoder|ModeSums"]]))
+    gcc = "aarch64-linux-gnu-g++"
+    jobs.append(("arm64_packages", 10, release_build("wobbled", "wobble") + build_for_arm(gcc, "programs") + [
+        ["bash", "tests/install/arm64_test.sh", f"build/arm64-{gcc}", "build/release"]]))
     return jobs
 
 
@@ -176,9 +184,12 @@ def main(arguments):
         return 0
     if len(arguments) != 1:
         return complain("PART is required, as in: make nightly PART=1/2")
+    alone = [job for job in jobs if job[0] == arguments[0]]
+    if alone:
+        return run_part(alone)
     k, slash, n = arguments[0].partition("/")
     if not (slash and k.isdigit() and n.isdigit() and 1 <= int(k) <= int(n) <= len(jobs)):
-        return complain(f"PART = {arguments[0]}: must be k/n with 1 <= k <= n <= {len(jobs)}")
+        return complain(f"PART = {arguments[0]}: must be k/n with 1 <= k <= n <= {len(jobs)}, or a job, see --list")
     part = deal_out(jobs, int(n))[int(k) - 1]
     if sum(each[1] for each in part) > LONGEST_PART:
         return complain(f"PART = {arguments[0]}: this part takes longer than {LONGEST_PART} minutes; cut it finer")

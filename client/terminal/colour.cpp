@@ -49,7 +49,7 @@ Colour Show256(std::uint8_t index) {
     const auto grey = static_cast<std::uint8_t>(8 + 10 * (index - 232));
     return {grey, grey, grey};
   }
-  const int cube = index - 16;
+  const int cube = std::max(index - 16, 0);  // never below; gcc for ARM does not know
   const auto level = [](int i) { return static_cast<std::uint8_t>(kLevels[i]); };
   return {level(cube / 36), level(cube / 6 % 6), level(cube % 6)};
 }

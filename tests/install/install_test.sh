@@ -15,30 +15,11 @@
 #   embed     a project adds this tree as a subdirectory with the client alone
 #   packages  three .deb files, installed and run in a fresh Debian (root, mmdebstrap and the network are needed; else the
 #             case is skipped with exit code 77)
-set -euo pipefail
-export CMAKE_BUILD_PARALLEL_LEVEL=1  # other tests run beside this one and wait for answers
 readonly case_name="${1:?usage: install_test.sh CASE BUILD_DIR}"
+. "${0%/*}/place.sh"
+export CMAKE_BUILD_PARALLEL_LEVEL=1  # other tests run beside this one and wait for answers
 build="$(cd "${2:?usage: install_test.sh CASE BUILD_DIR}" && pwd)"
 readonly build
-source="$(cd "$(dirname "$0")/../.." && pwd)"
-readonly source
-folder="$(mktemp -d)"
-readonly folder
-clean_up() {
-  for running in $(jobs -pr); do kill "$running" 2>/dev/null || true; done
-  wait
-  if mountpoint -q "$folder/root/proc" 2>/dev/null; then umount "$folder/root/proc"; fi
-  rm -rf "$folder"
-}
-trap clean_up EXIT
-trap 'exit 1' HUP INT TERM
-export XDG_STATE_HOME="$folder/state" # where the server keeps its key
-unset STATE_DIRECTORY
-
-fail() {
-  echo "FAILED $case_name: $1"
-  exit 1
-}
 
 # Not optimised, since what is tested is that it builds and plays. The compiler's launcher, as everywhere: the second run
 # of a test need not compile again.
@@ -63,18 +44,7 @@ expect_no_flags() {
 
 install_client() { cmake --install "$build" --prefix "$folder/prefix" --component client >/dev/null; }
 
-# Starts a server of this build and sets `port`.
-start_server() {
-  "$build/bin/wobbled" --scene ball_drop --port 0 --for 90 >"$folder/server" 2>&1 &
-  port=""
-  for _ in $(seq 300); do
-    port="$(sed -n 's/^listening on UDP port \([0-9]*\).*/\1/p' "$folder/server")"
-    [ -n "$port" ] && return
-    sleep 0.1
-  done
-  cat "$folder/server"
-  fail "a server that listens"
-}
+start_ball_drop() { start_server "$build/bin/wobbled" --scene ball_drop --for 90; }
 # play LINES PROGRAM ARGUMENT...: the examples print where their body is, twice a second.
 play() {
   local lines="$1"
@@ -125,7 +95,7 @@ case "$case_name" in
       -DEXAMPLE="$source/client/example.cpp"
     compile "$folder/game"
     expect_no_flags "$folder/game"
-    start_server
+    start_ball_drop
     play 5 "$folder/game/game" 127.0.0.1 "$port"
     # shellcheck disable=SC2046  # the flags are words
     c++ -std=c++20 "$source/client/example.cpp" -o "$folder/by_pkg_config" \
@@ -144,7 +114,7 @@ case "$case_name" in
     cc -std=c11 -pedantic -Wall -Wextra -Werror "$source/client/example.c" -o "$folder/by_pkg_config" \
       $(pkg-config --cflags --libs libwobble sdl2) -lm || fail "a build by pkg-config"
     [ "$(pkg-config --modversion libwobble)" = "$("$build/bin/wobble" --version | cut -d ' ' -f 2)" ] || fail "one version"
-    start_server
+    start_ball_drop
     export SDL_VIDEODRIVER=dummy SDL_RENDER_DRIVER=software
     seconds="${C_SECONDS:-2}"
     play $((2 * seconds - 2)) "$folder/by_pkg_config" "127.0.0.1:$port" "$seconds"
@@ -165,7 +135,7 @@ case "$case_name" in
     # 0649, 0414: fields of the stand-in that nobody sets
     mcs -warnaserror -nowarn:0649,0414 -target:library -out:"$folder/unity.dll" ./*.cs "$stand_ins/UnityEngine.cs" ||
       fail "WobbleWorld.cs to compile"
-    start_server
+    start_ball_drop
     export LD_LIBRARY_PATH="$folder/prefix/lib"
     play 3 mono "$folder/headless.exe" "127.0.0.1:$port" 2
     [ "$(grep -c ' ball162 162$' "$folder/played")" -ge 3 ] || { cat "$folder/played"; fail "a body that is where its pose says"; }
@@ -226,7 +196,7 @@ endif()
 EOF
     configure -S "$folder/embedding" -B "$folder/embedded" -DWOBBLE_BY_ROOM=ON
     cmake --build "$folder/embedded" --target game >"$folder/log" 2>&1 || { cat "$folder/log"; fail "the build"; }
-    start_server
+    start_ball_drop
     play 5 "$folder/embedded/game" 127.0.0.1 "$port"
     ;;
   packages)

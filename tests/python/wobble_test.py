@@ -143,12 +143,27 @@ class Worlds(unittest.TestCase):
                 call()
 
 
-HILL = """
+# Behind ball_drop: a hill, a workshop with two particles and a spring, and a game that waits for its players.
+MORE = """
 [[obstacle]]
 kind = "height_field"
 position = [100, 50, 1]
 cell_size = 2
 heights = [[0, 1, 2], [3, 4, 5]]
+[[blueprint]]
+name = "bridge"
+kind = "graph"
+particle = [{ position = [-6, 5, 2], mass = 0.5, fixed = true }, { position = [-5, 5, 2], mass = 0.25 }]
+spring = [{ ends = [0, 1], stiffness = 500, damping = 3 }]
+[[bodies]]
+blueprint = "bridge"
+[workshop]
+blueprint = "bridge"
+[game]
+kind = "sumo"
+points = 7
+rounds = 3
+lobby = 600
 """
 
 
@@ -225,6 +240,7 @@ class Clients(unittest.TestCase):
         client.update(now=6)
         self.assertEqual((client.state, client.own_body, client.events()), ("joining", 0, []))
         self.assertEqual((client.hands, client.obstacles, client.grounds), ([], [], []))
+        self.assertEqual((client.talk, client.scoreboard, client.workshop, client.tuning.may), ([], None, None, []))
         self.assertEqual((client.sample().positions.shape, client.sample().bodies), ((0, 3), []))
         none = float("nan")
         for error, text, call in (
@@ -234,52 +250,154 @@ class Clients(unittest.TestCase):
             (ValueError, "set_input: a number", lambda: client.set_input((2, 0))),
             (ValueError, "target: number 0 is nan", lambda: client.grab(1, 0, (none, 0, 0))),
             (RuntimeError, "only a client that plays", lambda: client.push(1, 0, (0, 0, 1))),
+            (RuntimeError, "say: only a client that plays", lambda: client.say("hello")),
+            (ValueError, "say: a number is not finite or out of its range, or a text", lambda: client.say(201 * "a")),
+            (ValueError, "order: a zero byte", lambda: client.order("kick 7\0")),
+            (ValueError, "rename: a number", lambda: client.rename("")),
+            (ValueError, "sign = 'smile': must be wave", lambda: client.emote("smile")),
+            (ValueError, "must be given", lambda: client.tune()),
+            (ValueError, r"gravity has shape \(2,\)", lambda: client.tune(gravity=(0, 1))),
+            (ValueError, "tune: a number is not", lambda: client.tune(gravity=(0, 0, 1), stiffness=none)),
+            (ValueError, "add_spring: a number", lambda: client.add_spring(1, 65536)),
+            (ValueError, "at: number 1 is nan", lambda: client.add_particle((0, none, 0))),
+            (TypeError, "remove_particle", lambda: client.remove_particle(-1)),
             (ValueError, "password, token, invite", lambda: wobble.Client("127.0.0.1:9", password="a", token="b")),
         ):
             with self.subTest(text), self.assertRaisesRegex(error, text):
                 call()
 
+
+class Players(unittest.TestCase):
+    """On one server, which wants tokens: they say who is an owner."""
+
+    @classmethod
+    def setUpClass(cls):
+        place = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(place.cleanup)
+        wobbled = Path(os.environ["WOBBLED"])
+        scene, cls.key = Path(place.name, "scene.toml"), Path(place.name, "token.key")
+        scene.write_text(wobbled.with_name("scenes").joinpath("ball_drop.toml").read_text() + MORE)
+        options = ["--port", "0", "--for", "60", "--untrained", "--token-key", cls.key]
+        server = subprocess.Popen([wobbled, "--scene", scene, *options], stdout=subprocess.PIPE, text=True)
+        cls.addClassCleanup(server.stdout.close)
+        cls.addClassCleanup(server.wait)
+        cls.addClassCleanup(server.kill)  # to end well takes it a second
+        port = next(line.split()[4] for line in server.stdout if line.startswith("listening on UDP port"))
+        cls.address = f"127.0.0.1:{port.rstrip(',')}"
+
+    def join(self, name, rank, **options):
+        command = [Path(os.environ["WOBBLED"]).with_name("wobble"), "token", "--key", self.key, "--rank", rank]
+        token = subprocess.check_output(command, text=True).strip()
+        return wobble.Client(self.address, name=name, token=token, **options)
+
     def test_a_frame_is_the_users(self):
-        scene = tempfile.NamedTemporaryFile("w", suffix=".toml")
-        self.addCleanup(scene.close)
-        scene.write(Path(os.environ["WOBBLED"]).with_name("scenes").joinpath("ball_drop.toml").read_text() + HILL)
-        scene.flush()
-        command = [os.environ["WOBBLED"], "--scene", scene.name, "--port", "0", "--for", "60", "--untrained"]
-        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
-            try:
-                port = next(line.split()[4] for line in server.stdout if line.startswith("listening on UDP port"))
-                frames = []
-                with wobble.Client(f"127.0.0.1:{port.rstrip(',')}", name="frames") as client:
-                    end = time.monotonic() + 20
-                    while len(frames) < 20 and time.monotonic() < end:
-                        client.update()
-                        frame = client.sample()
-                        if len(frame.bodies) == 5:
-                            frames.append((frame, frame.positions.copy()))
-                        time.sleep(0.01)
-                    self.assertEqual(client.state, "playing")
-                    self.assertEqual((client.hands, client.reach), (["grab", "cut", "push"], 0))
-                    self.assertTrue(0 < client.pace <= 1)  # of a busy machine less than 1
-                    (hill,), (plane,) = client.grounds, client.obstacles
-                    self.assertEqual(hill.corner.tolist(), [100, 50])
-                    extent = hill.cell_size * (np.array(hill.heights.shape) - 1)  # the server cuts cells finer
-                    np.testing.assert_allclose(extent, [2, 4])
-                    corners = hill.heights[[0, 0, -1, -1], [0, -1, 0, -1]]
-                    np.testing.assert_allclose(corners, [1, 3, 4, 6], atol=1e-3)
-                    self.assertEqual((plane.kind, plane.a.tolist(), plane.b[0]), ("plane", [0, 0, 1], 0))
-                self.assertEqual(client.state, "ended")
-            finally:
-                server.terminate()
+        frames = []
+        with self.join("frames", "player", predict=False) as client:
+            end = time.monotonic() + 20
+            while len(frames) < 20 and time.monotonic() < end:
+                client.update()
+                client.set_input((1, 0))
+                frame = client.sample()
+                if len(frame.bodies) == 6:
+                    frames.append((frame, frame.positions.copy()))
+                time.sleep(0.01)
+            self.assertEqual((client.state, client.rank), ("playing", "player"))
+            self.assertEqual((client.hands, client.reach), (["grab", "cut", "push", "build"], 0))
+            self.assertTrue(0 < client.pace <= 1)  # of a busy machine less than 1
+            (hill,), (plane,) = client.grounds, client.obstacles
+            self.assertEqual(hill.corner.tolist(), [100, 50])
+            extent = hill.cell_size * (np.array(hill.heights.shape) - 1)  # the server cuts cells finer
+            np.testing.assert_allclose(extent, [2, 4])
+            corners = hill.heights[[0, 0, -1, -1], [0, -1, 0, -1]]
+            np.testing.assert_allclose(corners, [1, 3, 4, 6], atol=1e-3)
+            self.assertEqual((plane.kind, plane.a.tolist(), plane.b[0]), ("plane", [0, 0, 1], 0))
+        self.assertEqual(client.state, "ended")
         self.assertEqual(len(frames), 20)
         for frame, copy in frames:
             self.assertTrue(np.array_equal(frame.positions, copy))  # later samples do not touch it
             self.assertEqual(sum(len(body.positions) for body in frame.bodies), len(frame.positions))
             self.assertLess(frame.faces.max(), len(frame.positions))
             for body in frame.bodies:
+                self.assertFalse(body.lead.any())
+                self.assertTrue(np.shares_memory(body.positions, frame.positions))
+                if body.blueprint == "bridge":
+                    continue  # has no faces
                 corners = frame.positions[body.faces]
                 self.assertLess(np.abs(corners.mean(axis=(0, 1)) - body.centroid).max(), 0.2)
-                self.assertTrue(np.shares_memory(body.positions, frame.positions))
         self.assertTrue((frames[0][1] != frames[-1][1]).any())
+
+    def test_an_owner_talks_gives_orders_tunes_and_builds(self):
+        with self.join("Ada", "owner") as client:
+            self.events = []
+
+            def wait_until(is_true, what):
+                end = time.monotonic() + 20
+                while not is_true():
+                    self.assertLess(time.monotonic(), end, what)
+                    time.sleep(0.005)
+                    client.update()
+                    self.frame = client.sample()
+                    self.events += client.events()
+
+            def has_come(kind, text, emote=""):
+                return lambda: (kind, text, emote) in [(e.kind, e.text, e.emote) for e in self.events]
+
+            wait_until(lambda: client.state == "playing" and client.workshop.particles, "a player with a workshop")
+            self.assertEqual((client.rank, client.talk), ("owner", ["say", "emote"]))
+            self.assertEqual(client.description, "balls of 12, 42, 162 and 642 vertices fall on a plane")
+            client.set_input((0, 1))
+            own = lambda: next((b for b in self.frame.bodies if b.number == client.own_body), None)
+            wait_until(lambda: own() and own().lead[1] > 0, "an own body that is ahead")
+
+            client.say("good evening")
+            client.emote("cheer")
+            client.rename("Ada L")
+            client.order("players")
+            wait_until(has_come("said", "good evening"), "a line")
+            wait_until(has_come("emoted", "", "cheer"), "an emote")
+            wait_until(has_come("renamed", "Ada L"), "a name")
+            wait_until(lambda: any(e.kind == "notice" and "Ada" in e.text for e in self.events), "an answer")
+
+            board = client.scoreboard
+            self.assertEqual((board.game, board.phase, board.rounds), ("sumo", "lobby", 3))
+            self.assertEqual((board.points_to_win, board.winner, board.bearer, board.side_points), (7, 0, 0, (0, 0)))
+            ready = lambda: [(s.client_id, s.is_ready, s.is_bot, s.side) for s in client.scoreboard.scores]
+            self.assertEqual(ready(), [(client.client_id, False, False, 0)])
+            client.order("ready")
+            wait_until(lambda: ready() == [(client.client_id, True, False, 0)], "a player who is ready")
+
+            (nail, tip), (spring,) = client.workshop.particles, client.workshop.springs
+            self.assertEqual((nail.mass, nail.is_fixed, tip.mass, tip.is_fixed), (0.5, True, 0.25, False))
+            self.assertEqual((spring.ends, spring.stiffness, spring.damping, spring.owner), ((0, 1), 500, 3, 0))
+            bridge = next(b for b in self.frame.bodies if b.number == client.workshop.body)
+            client.add_particle(bridge.positions[0] + (0, 0.5, 0), mass=2, fixed=True)
+            wait_until(lambda: len(client.workshop.particles) == 3, "another particle")
+            added = client.workshop.particles[2]
+            self.assertEqual((added.owner, added.mass, added.is_fixed), (client.client_id, 2, True))
+            client.add_spring(nail.number, added.number, stiffness=200, damping=2)
+            wait_until(lambda: len(client.workshop.springs) == 2, "another spring")
+            self.assertAlmostEqual(client.workshop.springs[1].rest_length, 0.5, places=3)
+            client.set_spring(spring.number, stiffness=300, damping=1, rest_length=1.5)
+            client.set_particle(tip.number, mass=1)
+            wait_until(lambda: client.workshop.springs[0].stiffness == 300, "a spring that is softer")
+            wait_until(lambda: client.workshop.particles[1].mass == 1, "a particle that is heavier")
+            client.remove_spring(spring.number)
+            client.remove_particle(added.number)
+            wait_until(lambda: len(client.workshop.particles) == 2, "a particle gone, and the spring at it")
+            self.assertEqual(client.workshop.springs, [])
+
+            self.assertEqual(client.tuning.may, ["gravity", "stiffness", "time"])
+            client.tune(gravity=(0, 0, -5), time_rate=0.5)
+            wait_until(lambda: client.tuning.gravity[2] == -5 and client.tuning.time_rate == 0.5, "another gravity")
+            self.assertEqual(client.tuning.stiffness, 1)
+            gains = []  # the world's time over its own slow pace; a busy machine jumps slowly
+
+            def has_jumped():
+                gains.append(client.statistics["server_time"] - 0.5 * time.monotonic())
+                return gains[-1] > min(gains) + 1
+
+            client.jump_ahead(10)
+            wait_until(has_jumped, "a world that is ahead")
 
 
 class Problems(unittest.TestCase):

@@ -1,6 +1,7 @@
 // Client: a player or spectator of a server, over client/wobble.h.
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -50,9 +51,10 @@ const char* Text(const std::optional<std::string>& text) { return text ? text->c
 std::unique_ptr<Player> Connect(const std::string& address, const std::optional<std::string>& name,
                                 const std::optional<std::string>& password, const std::optional<std::string>& token,
                                 const std::optional<std::string>& invite, const std::optional<std::string>& serverKey,
-                                bool spectate, bool rejoin, const Seconds& now) {
+                                bool spectate, bool rejoin, bool predict, const Seconds& now) {
   auto options = MakeStruct<wobble_connect_options>();
-  options.flags = (spectate ? WOBBLE_SPECTATE : 0) | (rejoin ? 0 : WOBBLE_NO_REJOIN);
+  options.flags =
+      (spectate ? WOBBLE_SPECTATE : 0) | (rejoin ? 0 : WOBBLE_NO_REJOIN) | (predict ? 0 : WOBBLE_NO_PREDICTION);
   options.address = address.c_str();
   options.name = Text(name);
   options.password = Text(password);
@@ -90,21 +92,15 @@ std::string ReadText(Player& player, const char* wobble_status::*text) {
   return copy;
 }
 
-// The words for the bits that are set.
-std::vector<std::string> NameHands(std::uint32_t hands) {
-  constexpr std::pair<std::uint32_t, const char*> kNames[] = {
-      {WOBBLE_MAY_GRAB, "grab"}, {WOBBLE_MAY_CUT, "cut"}, {WOBBLE_MAY_PUSH, "push"}, {WOBBLE_MAY_BUILD, "build"}};
-  std::vector<std::string> named;
-  for (const auto& [bit, name] : kNames) {
-    if ((hands & bit) != 0) named.emplace_back(name);
-  }
-  return named;
-}
-
-const char* NameState(std::int32_t state) {
-  constexpr const char* kNames[] = {"joining", "playing", "rejoining", "ended"};
-  return state >= 0 && state < 4 ? kNames[state] : "unknown";
-}
+constexpr const char* kStates[] = {"joining", "playing", "rejoining", "ended"};
+constexpr const char* kHands[] = {"grab", "cut", "push", "build"};
+constexpr const char* kTalk[] = {"say", "emote"};
+constexpr const char* kRanks[] = {"watcher", "player", "moderator", "owner"};
+constexpr const char* kEvents[] = {"join",      "leave", "respawn", "body_removed", "fall", "notice",
+                                   "new_world", "said",  "emoted",  "renamed",      "goal", "crown"};
+static_assert(std::size(kStates) == WOBBLE_ENDED + 1 && WOBBLE_MAY_BUILD == 1 << (std::size(kHands) - 1) &&
+              WOBBLE_MAY_EMOTE == 1 << (std::size(kTalk) - 1) && std::size(kRanks) == WOBBLE_RANK_OWNER + 1 &&
+              std::size(kEvents) == WOBBLE_CROWN + 1);
 
 // Says goodbye and waits until the server knows, 5 s at most, as wobble_leave promises.
 void Leave(Player& player) {
@@ -119,12 +115,6 @@ void Leave(Player& player) {
     const py::gil_scoped_release released;
     std::this_thread::sleep_for(std::chrono::milliseconds(6));
   }
-}
-
-template <typename Number>
-std::vector<float> ReadFloats(const char* name, const Number& numbers, py::ssize_t count = 3) {
-  CheckVector(name, numbers, count);
-  return {numbers.data(), numbers.data() + count};
 }
 
 void SetInput(Player& player, const Numbers& move, bool jump, bool puff, bool stiffen) {
@@ -202,15 +192,12 @@ Frame Sample(Player& player, const Seconds& now) {
 }
 
 std::vector<Event> TakeEvents(Player& player) {
-  constexpr const char* kKinds[] = {"join",   "leave",     "respawn", "body_removed", "fall",
-                                    "notice", "new_world", "said",    "emoted",       "renamed"};
   std::vector<Event> events;
   Ask(player, "events", [&](wobble_client* client) {
     auto event = MakeStruct<wobble_event>();
     wobble_result result = WOBBLE_OK;
     while ((result = wobble_next_event(client, &event)) == WOBBLE_OK) {
-      const bool isKnown = event.kind >= 0 && event.kind <= WOBBLE_RENAMED;
-      events.push_back({isKnown ? kKinds[event.kind] : "unknown", event, event.text});
+      events.push_back({NameAt(kEvents, event.kind), event, event.text});
     }
     return result;
   });
@@ -249,6 +236,10 @@ void DefineFrames(py::module_& module) {
           "age", [](const Shown& shown) { return shown.body.age; }, "Of the newest data that is shown, s.")
       .def_property_readonly(
           "is_held", [](const Shown& shown) { return shown.body.held != 0; }, "Recent data is missing.")
+      .def_property_readonly(
+          "lead", [](const Shown& shown) { return py::array_t<float>(3, shown.body.lead); },
+          "How far the own body is shown ahead of the server's, by what the input will do; m, in the positions "
+          "already.")
       .def_readonly("positions", &Shown::positions, "float32 (n, 3), m, world.")
       .def_readonly("normals", &Shown::normals, "float32 (n, 3), unit length; 0 in bodies without faces.")
       .def_readonly("faces", &Shown::faces, "uint32 (m, 3), of the frame's vertices, counter-clockwise from outside.");
@@ -259,11 +250,16 @@ void DefineFrames(py::module_& module) {
       .def_readonly("bodies", &Frame::bodies, "By ascending number.");
   py::class_<Event>(module, "Event", "What has happened.")
       .def_readonly("kind", &Event::kind,
-                    "join, leave, respawn, body_removed, fall, notice, new_world, said, emoted, renamed; others may "
-                    "come.")
+                    "join, leave, respawn, body_removed, fall, notice, new_world, said, emoted, renamed, goal, crown; "
+                    "\"unknown\": one that this version does not know.")
       .def_property_readonly("client_id", [](const Event& event) { return event.event.client_id; })
       .def_property_readonly(
-          "body", [](const Event& event) { return event.event.body; }, "Its number; 0: none.")
+          "body", [](const Event& event) { return event.event.body; },
+          "Its number; of a goal the ball, of a crown the crown; 0: none.")
+      .def_property_readonly(
+          "emote",
+          [](const Event& event) { return event.event.kind == WOBBLE_EMOTED ? NameEmote(event.event.emote) : ""; },
+          "Of an emoted one: wave, laugh, love, wow, sad or cheer.")
       .def_readonly("text", &Event::text, "A player's name, a line for the player or of one, or a scene's name.");
 }
 
@@ -277,8 +273,9 @@ void DefineClient(py::module_& module) {
                             R"(A player of a server, or a spectator: the same client as that of C++ and C.
 
 address: "HOST:PORT". At most one of password, token and invite. server_key: that the server must have. rejoin: tries for a
-minute to come back when the connection is lost. `now`, here and in update and sample: seconds since any moment, which never
-go back; by default the system's clock goes on from there.
+minute to come back when the connection is lost. predict: shows the own body ahead of the others, by what the input will do.
+`now`, here and in update and sample: seconds since any moment, which never go back; by default the system's clock goes on
+from there.
 
 Call update 60 times a second. `with` says goodbye at the end. ValueError and RuntimeError say what cannot be.
 
@@ -288,18 +285,23 @@ ValueError: Client: the address is no HOST:PORT, or the host has no address
 )");
   client.def(py::init(&Connect), py::arg("address"), py::kw_only(), py::arg("name") = py::none(),
              py::arg("password") = py::none(), py::arg("token") = py::none(), py::arg("invite") = py::none(),
-             py::arg("server_key") = py::none(), py::arg("spectate") = false, py::arg("rejoin") = true, now);
+             py::arg("server_key") = py::none(), py::arg("spectate") = false, py::arg("rejoin") = true,
+             py::arg("predict") = true, now);
   client.def("update", &Update, now, "Takes in what has arrived, answers, and sends the input that is due.");
   client.def("leave", &Leave, "Says goodbye and waits for the answer, 5 s at most. `with` does it.");
   client.def(
       "__enter__", [](Player& self) -> Player& { return self; }, py::return_value_policy::reference_internal);
   client.def("__exit__", [](Player& self, const py::args&) { Leave(self); });
   client.def_property_readonly(
-      "state", [](Player& self) { return NameState(ReadStatus(self).state); }, "joining, playing, rejoining or ended.");
+      "state", [](Player& self) { return NameAt(kStates, ReadStatus(self).state); },
+      "joining, playing, rejoining or ended.");
   client.def_property_readonly(
       "reason", [](Player& self) { return ReadText(self, &wobble_status::reason); }, "One line for people, or \"\".");
   client.def_property_readonly(
       "scene", [](Player& self) { return ReadText(self, &wobble_status::scene); }, "Its name.");
+  client.def_property_readonly(
+      "description", [](Player& self) { return ReadText(self, &wobble_status::description); },
+      "Of the scene, one line; \"\" if it has none.");
   client.def_property_readonly(
       "server_key", [](Player& self) { return ReadText(self, &wobble_status::server_key); },
       "For Client the next time; \"\" before it plays.");
@@ -308,7 +310,13 @@ ValueError: Client: the address is no HOST:PORT, or the host has no address
   client.def_property_readonly(
       "client_id", [](Player& self) { return ReadStatus(self).client_id; }, "As in events.");
   client.def_property_readonly(
-      "hands", [](Player& self) { return NameHands(ReadStatus(self).hands); },
+      "rank", [](Player& self) { return NameAt(kRanks, ReadStatus(self).rank); },
+      "watcher, player, moderator (also gives orders about players) or owner (does everything).");
+  client.def_property_readonly(
+      "talk", [](Player& self) { return NameBits(kTalk, ReadStatus(self).talk); },
+      "What this player may tell the others: say, emote.");
+  client.def_property_readonly(
+      "hands", [](Player& self) { return NameBits(kHands, ReadStatus(self).hands); },
       "What the scene lets players do: grab, cut, push, build.");
   client.def_property_readonly(
       "reach", [](Player& self) { return ReadStatus(self).reach; },
@@ -333,6 +341,7 @@ ValueError: Client: the address is no HOST:PORT, or the host has no address
              "Cuts the springs of the body that pass through this triangle.");
   client.def("sample", &Sample, now, "All bodies as they are to be shown now; none before it plays.");
   client.def("events", &TakeEvents, "Takes what has happened since the last call, oldest first.");
+  DefineRules(module, client);
 }
 
 }  // namespace wobble::python

@@ -38,6 +38,28 @@ void Ask(Player& player, const char* what, Call&& call) {
   Check(TakeTurn(player.turn, [&] { return call(player.client.get()); }), what);
 }
 
+// The word for a number of an enumeration; "unknown" for those of a newer library.
+template <std::size_t count>
+[[nodiscard]] const char* NameAt(const char* const (&names)[count], std::int32_t number) {
+  return number >= 0 && static_cast<std::size_t>(number) < count ? names[number] : "unknown";
+}
+// The words for the bits that are set; the first word is of bit 0.
+template <std::size_t count>
+[[nodiscard]] std::vector<std::string> NameBits(const char* const (&names)[count], std::uint32_t bits) {
+  std::vector<std::string> named;
+  for (std::size_t i = 0; i < count; ++i) {
+    if ((bits >> i & 1U) != 0) named.emplace_back(names[i]);
+  }
+  return named;
+}
+[[nodiscard]] const char* NameEmote(std::int32_t emote);
+
+// Throws ValueError, which names the argument, unless there are so many finite numbers.
+[[nodiscard]] inline std::vector<float> ReadFloats(const char* name, const Numbers& numbers, py::ssize_t count = 3) {
+  CheckVector(name, numbers, count);
+  return {numbers.data(), numbers.data() + count};
+}
+
 struct Obstacle {
   wobble_obstacle read{};
 };
@@ -48,5 +70,6 @@ struct Ground {
 [[nodiscard]] std::vector<Obstacle> ListObstacles(Player& player);
 [[nodiscard]] std::vector<Ground> ListGrounds(Player& player);
 void DefineSurroundings(py::module_& module);
+void DefineRules(py::module_& module, py::class_<Player>& client);
 
 }  // namespace wobble::python
