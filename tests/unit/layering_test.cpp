@@ -106,6 +106,7 @@ const std::vector<Room> kRooms{
     {"server/main", {"server/", kProtocol}, Join(kSystem, {"CLI/", "fmt/", "nlohmann/", "spdlog/"}), {}},
     // For Python: the interfaces for C, what is behind that of the physics, and the laboratory's problems.
     {"server/library/python/client", {"server/library/python/", "client/wobble"}, {"pybind11/"}, {}},
+    {"server/library/python/client_rules", {"server/library/python/", "client/wobble"}, {"pybind11/"}, {}},
     {"server/library/python/client_surroundings", {"server/library/python/", "client/wobble"}, {"pybind11/"}, kClock},
     {"server/library/python/",
      {"server/library/", kRecording, kPlay, kScenes, kPhysics, kTiming, "protocol/c/", "protocol/version",
