@@ -9,7 +9,7 @@ import { after, before } from 'node:test';
 
 import {
   compareScreenshots, findBody, findOwn, joinPage, outputFolder, pageFolder, probe, roomyScreen, startBots, startBrowser,
-  startWorld, waitForPlaying,
+  startWorld, varyScene, waitForPlaying,
 } from './support/browser.mjs';
 import { binFolder, Program, sleep, startGateway, startServerOn, test, waitFor } from './support/programs.mjs';
 
@@ -116,19 +116,6 @@ test('a finger on the stick moves the body', () =>
     await waitFor('a jump', async () => (await probe(page, 'position', body)).z > 1.3);
     await touch('touchEnd');
   }, { viewport: { width: 390, height: 780 }, hasTouch: true, isMobile: true }));
-
-// A shipped scene in the folder, with other numbers where the fields first stand. Returns the file.
-function varyScene(folder, scene, fields) {
-  const scenes = path.join(binFolder, 'scenes');
-  let text = fs.readFileSync(path.join(scenes, `${scene}.toml`), 'utf8').replaceAll('meshes/', `${scenes}/meshes/`);
-  for (const [field, value] of Object.entries(fields)) {
-    assert.match(text, new RegExp(`^${field} = `, 'm'));
-    text = text.replace(new RegExp(`^${field} = .*$`, 'm'), `${field} = ${value}`);
-  }
-  const file = path.join(folder, `${scene}.toml`);
-  fs.writeFileSync(file, text);
-  return file;
-}
 
 // Waits until a body has neither rolled nor wobbled for most of a second.
 async function waitForStandstill(page, body) {

@@ -3,6 +3,7 @@
 // Rendering is in software, so that a machine without a graphics card gives the same pictures. Tests compare
 // screenshots with each other, never with a stored picture.
 import assert from 'node:assert';
+import fs from 'node:fs';
 import path from 'node:path';
 import { createRequire } from 'node:module';
 
@@ -44,6 +45,19 @@ export async function startWorld(scene, options = ['--untrained'], link = '') {
   const world = { address, server, host };
   world.stop = () => Promise.all([program.stop(), relay?.program.stop(), world.server.stop()]);
   return world;
+}
+
+// A shipped scene in the folder, with other numbers where the fields first stand. Returns the file.
+export function varyScene(folder, scene, fields) {
+  const scenes = path.join(binFolder, 'scenes');
+  let text = fs.readFileSync(path.join(scenes, `${scene}.toml`), 'utf8').replaceAll('meshes/', `${scenes}/meshes/`);
+  for (const [field, value] of Object.entries(fields)) {
+    assert.match(text, new RegExp(`^${field} = `, 'm'));
+    text = text.replace(new RegExp(`^${field} = .*$`, 'm'), `${field} = ${value}`);
+  }
+  const file = path.join(folder, `${scene}.toml`);
+  fs.writeFileSync(file, text);
+  return file;
 }
 
 // Starts another untrained server at the address of an ended one.
