@@ -11,7 +11,6 @@ namespace {
 
 // More players than any server has: what a damaged recording could ask for.
 constexpr std::size_t kMostPlayers = 4000;
-constexpr double kFarthestHand = 1e5;    // m
 constexpr double kFarthestMotion = 1e5;  // m, and m/s
 
 template <class... Each>
@@ -23,12 +22,6 @@ physics::WorldSettings MakeWorldSettings(const scenes::Scene& scene, const Playg
   physics::WorldSettings world = scenes::MakeWorldSettings(scene, settings.tickDuration, settings.threads);
   world.widestPack = settings.widestPack;
   return world;
-}
-
-bool IsPossible(const MoveEntry& move) {
-  const physics::Control& control = move.control;
-  if (!(control.moveX * control.moveX + control.moveY * control.moveY <= 1.0001)) return false;
-  return !move.hand || move.hand->target.cwiseAbs().maxCoeff() <= kFarthestHand;
 }
 
 }  // namespace

@@ -15,6 +15,13 @@ bool AreBodies(const std::map<ClientId, Playground::Player>& players, const phys
   });
 }
 
+bool AreMoves(const std::map<ClientId, Playground::Player>& players) {
+  return std::ranges::all_of(players, [](const auto& entry) {
+    const auto& [client, player] = entry;
+    return IsPossible({.client = client, .control = player.control, .hand = player.hand});
+  });
+}
+
 }  // namespace
 
 PlaygroundState Playground::Capture() const {
@@ -36,6 +43,7 @@ std::string Playground::Restore(const PlaygroundState& state) {
   const auto isThere = [this](const scenes::PlacedBody& placed) { return m_world.FindBody(placed.body) != nullptr; };
   if (!std::ranges::all_of(m_sceneBodies, isThere)) return "bodies: must be all that the scene places";
   if (!AreBodies(state.players, m_world)) return "players: must each have a body of the world, or none";
+  if (!AreMoves(state.players)) return "players: must move by at most 1, with hands within 1e5 m";
   if (state.workshop.has_value() != m_workshop.has_value()) return "workshop: must be there if the scene has one";
   if (state.game.has_value() != m_game.has_value()) return "game: must be there if the scene has one";
   if (!state.gravity.allFinite()) return "gravity: must be finite";

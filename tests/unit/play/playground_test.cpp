@@ -163,6 +163,15 @@ TEST(Playground, RefusesStatesOfOthers) {
   PlaygroundState state = sumo.Capture();
   state.players[4].body = 4711;
   EXPECT_THAT(sumo.Restore(state), testing::HasSubstr("players"));
+
+  // A spoiled state came as far as the step, with a move without bounds.
+  sumo.Take(JoinEntry{7, false, "fast"});
+  PlaygroundState fast = sumo.Capture();
+  fast.players.at(7).control.moveX = 1e30;
+  EXPECT_THAT(sumo.Restore(fast), testing::HasSubstr("players"));
+  fast.players.at(7).control.moveX = 0;
+  fast.players.at(7).hand = HandCommand{.body = 1, .target = physics::Vector3d(0, std::nan(""), 0)};
+  EXPECT_THAT(sumo.Restore(fast), testing::HasSubstr("players"));
 }
 
 }  // namespace
