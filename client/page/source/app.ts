@@ -129,8 +129,10 @@ export class App {
     const frame = () => {
       requestAnimationFrame(frame);
       this.DrawFrame();
-      // The sky is drawn first: its preparation must not count as silence.
-      if (++frames === kFramesToJoin && this.m_missing === '') this.connection.join();
+      // The sky is drawn first: its preparation must not count as silence. Who has chosen a world or opened an invite
+      // meanwhile has joined, and a second join would lose an invite that is good once.
+      const isFirst = ++frames === kFramesToJoin && this.connection.client === null;
+      if (isFirst && this.m_missing === '') this.connection.join();
     };
     requestAnimationFrame(frame);
   }

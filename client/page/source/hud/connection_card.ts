@@ -49,6 +49,8 @@ export class ConnectionCard {
     for (const button of [this.m_join, this.m_reload]) button.classList.add('main');
     this.BuildForm(onPassword);
     card.append(this.m_ball, words, this.m_form, this.m_join, this.m_reload, this.m_others);
+    // Until the first frame, which may be a second away.
+    this.m_form.hidden = this.m_join.hidden = this.m_reload.hidden = this.m_others.hidden = true;
     this.element.append(card);
   }
 
