@@ -6,12 +6,13 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 
-import { openPage, outputFolder, pageFolder, probe, startBots, startBrowser, startWorld, varyScene, waitForPlaying }
+import { openPage, outputFolder, pageFolder, probe, startBots, startBrowser, startWorld, waitForPlaying }
   from './support/browser.mjs';
 import { addPad, hold } from './support/pad.mjs';
 import { Program, sleep, startGateway, startServerOn, waitFor } from './support/programs.mjs';
 
 const screens = { desk: [1280, 720], landscape: [844, 390], portrait: [390, 844] };
+const root = new URL('../../', import.meta.url).pathname;
 const pattern = new RegExp(process.argv[2] ?? '.');
 const folder = path.join(outputFolder, 'states');
 fs.mkdirSync(folder, { recursive: true });
@@ -194,44 +195,26 @@ async function showPlay() {
   await Promise.all([arena.stop(), sumo.program.stop(), sandbox.program.stop(), curtain.program.stop()]);
 }
 
-// Rounds of ten seconds.
-async function showGames() {
-  for (const [game, rules] of [['sumo', {}], ['goals', { points: 1 }], ['crown', { points: 4 }]]) {
-    if (!pattern.test(`${game}_lobby ${game}_match ${game}_end`)) continue;
-    const scene = varyScene(temporary, game, { round: 10, ...rules });
-    const world = await startWorld(scene, ['--untrained', '--rounds', '1']);
-    const bots = startBots(world, 3, game === 'sumo' ? 'chase.lua' : `${game}.lua`);
-    const ready = (page) => page.tab.getByRole('button', { name: 'Say that you are ready' });
-    const begin = async (page) => {
-      await waitForPlaying(page.tab);
-      if (game === 'sumo') return;
-      await ready(page).waitFor();
-      await press(page, 'Say that you are ready');
-      await ready(page).waitFor({ state: 'hidden' });
-    };
-    if (game !== 'sumo') {
-      await show(`${game}_lobby`, world.host, { reach: async (page) => {
-        await waitForPlaying(page.tab);
-        await ready(page).waitFor();
-      } });
-      await show(`${game}_match`, world.host, { reach: async (page) => {
-        await begin(page);
-        await page.tab.waitForTimeout(4000);
-      } });
-    }
-    await show(`${game}_end`, world.host, { reach: async (page) => {
-      await begin(page);
-      await page.tab.getByText(/^(You win!|Nobody wins this round|.* wins( this round)?)$/).waitFor();
-    } });
-    await bots.stop();
-    await world.stop();
-  }
+// A round of ten seconds.
+async function showEnd() {
+  if (!pattern.test('sumo_end')) return;
+  const scene = path.join(temporary, 'short.toml');
+  const sumo = fs.readFileSync(path.join(root, 'server/scenes/sumo.toml'), 'utf8');
+  fs.writeFileSync(scene, sumo.replace('round = 120', 'round = 10'));
+  const world = await startWorld(scene);
+  const bots = startBots(world, 3, 'chase.lua');
+  await show('sumo_end', world.host, { reach: async (page) => {
+    await waitForPlaying(page.tab);
+    await page.tab.locator('.banner:visible').waitFor();
+  } });
+  await bots.stop();
+  await world.stop();
 }
 
 try {
   await showCards();
   await showPlay();
-  await showGames();
+  await showEnd();
   console.log(`${count} pictures in ${folder}`);
 } finally {
   await browser.close();
