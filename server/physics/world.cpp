@@ -169,7 +169,7 @@ void World::WakeTheDriven() {
 }
 
 void World::SetControl(BodyId id, const Control& control, const ControlLimits& limits) {
-  assert(control.moveX * control.moveX + control.moveY * control.moveY <= 1.0001);
+  assert(control.IsPossible());
   Body& body = Write(id);
   if (control != body.control || limits != body.limits) WakeUp(body);
   body.control = control;

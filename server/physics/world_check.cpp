@@ -78,13 +78,12 @@ std::string CheckBody(const Inspection& subject, std::size_t precision, const Bo
   if (body.state.index() != precision) return Unless(false, "precision", body.state.index(), "the world's");
   const auto& [id, blueprint, state, control, limits, jumpHeld, touchesBody, gasFactor, stiffnessFactor, steps,
                selfRoom, selfAgitation, asleep, quietTicks, invertedTicks, tornTicks] = body;
-  const double move = control.moveX * control.moveX + control.moveY * control.moveY;
   const bool areLimits = std::isfinite(limits.acceleration) && std::isfinite(limits.speed) &&
                          std::isfinite(limits.jumpSpeed) && IsFactor(limits.puffFactor) &&
                          IsFactor(limits.stiffenFactor);
   const StepHistory::Memory& memory = steps.Read();
   return FindFirst(
-      Unless(move <= 1.0001, "move", move, "at most 1"),
+      Unless(control.IsPossible(), "move", std::hypot(control.moveX, control.moveY), "at most 1"),
       Unless(areLimits, "limits", limits.speed, "finite, with factors above 0"),
       Unless(IsFactor(gasFactor), "gasFactor", gasFactor, "above 0, up to 1000"),
       Unless(IsFactor(stiffnessFactor), "stiffnessFactor", stiffnessFactor, "above 0, up to 1000"),

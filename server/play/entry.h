@@ -29,11 +29,10 @@ struct MoveEntry {
   std::optional<HandCommand> hand;
 };
 
-// Whether the world can bear it: a move of at most 1 and a hand within 10⁵ m.
+// Whether the world can bear it; a hand is within 10⁵ m.
 [[nodiscard]] inline bool IsPossible(const MoveEntry& move) {
   constexpr double kFarthestHand = 1e5;  // m
-  const physics::Control& control = move.control;
-  if (!(control.moveX * control.moveX + control.moveY * control.moveY <= 1.0001)) return false;
+  if (!move.control.IsPossible()) return false;
   if (!move.hand) return true;
   const physics::Vector3d& target = move.hand->target;
   return target.allFinite() && target.cwiseAbs().maxCoeff() <= kFarthestHand;

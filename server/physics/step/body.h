@@ -27,6 +27,9 @@ struct Control {
   bool stiffen = false;  // stiffer springs, by ControlLimits::stiffenFactor
 
   bool operator==(const Control&) const = default;
+
+  // What a world bears; the length of a unit vector may be rounded above 1.
+  [[nodiscard]] bool IsPossible() const { return moveX * moveX + moveY * moveY <= 1.0001; }
 };
 
 // How far a control may go; the scene says.
