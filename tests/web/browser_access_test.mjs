@@ -32,7 +32,7 @@ const invite = async (socket) => /#invite=[\w-]+/.exec((await order(socket, 'inv
 // The page behind `#...`; it lists in window.offered what its first WebSockets offer beside wobble's own subprotocol.
 const openWith = (host, fragment) =>
   openPage(browser, host, {
-    query: `name=mira&quality=4${fragment}`,
+    query: `name=mira&quality=5${fragment}`,
     viewport: roomyScreen,
     onTab: (tab) =>
       tab.addInitScript(() => {

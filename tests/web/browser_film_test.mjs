@@ -40,7 +40,7 @@ async function readCard(page) {
 test('recordings are chosen, watched and wound in the page', async () => {
   const { program: server, address } = await startServerOn(0, '--scene', 'pair', '--untrained');
   const { program: gateway, host } = await startGateway(address, pageFolder, '--recordings', folder);
-  const page = await openPage(browser, host, { query: 'name=mira&quality=4', viewport: roomyScreen });
+  const page = await openPage(browser, host, { query: 'name=mira&quality=5', viewport: roomyScreen });
   await waitForPlaying(page.tab);
   const menu = page.tab.getByRole('navigation', { name: 'Worlds' });
   await menu.getByText('Recordings', { exact: true }).click();
@@ -101,7 +101,7 @@ test('the page goes along into the next scene and back', async () => {
   const options = ['--untrained', '--rotation', 'curtain,pair', '--admin-socket', socket];
   const { program: server, address } = await startServerOn(0, ...options);
   const { program: gateway, host } = await startGateway(address, pageFolder);
-  const page = await openPage(browser, host, { query: 'name=mira&quality=4', viewport: roomyScreen });
+  const page = await openPage(browser, host, { query: 'name=mira&quality=5', viewport: roomyScreen });
   await waitForPlaying(page.tab);
   const read = () => page.tab.evaluate(() => ({ ...window.wobble.state(), all: window.wobble.bodies() }));
   const first = await read();

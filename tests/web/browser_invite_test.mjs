@@ -52,7 +52,7 @@ test('the link of a page on localhost has an address that others reach, and no s
   const [, port] = host.split(':');
   for (const [screens, isPhone] of [[[desktop], false], [[phone, lyingPhone], true]]) {
     const options = { viewport: screens[0], hasTouch: isPhone, isMobile: isPhone };
-    const page = await joinPage(browser, host, { ...options, query: 'name=mira&quality=4&world=two' });
+    const page = await joinPage(browser, host, { ...options, query: 'name=mira&quality=5&world=two' });
     if (isPhone) await page.tab.getByRole('button', { name: /players and worlds$/ }).tap();
     await findButton(page).click();
     for (const screen of screens) {
@@ -110,7 +110,7 @@ test('an owner puts an invite into the link, which lets in where nobody comes in
   const { program: server, address } = await startPair('--invites', path.join(folder, 'invites'), '--owner-key', key);
   const { program: gateway, host } = await startGateway(address, pageFolder);
   const [, port] = host.split(':');
-  const owner = `name=mira&quality=4#owner=${fs.readFileSync(key, 'latin1').trim()}`;
+  const owner = `name=mira&quality=5#owner=${fs.readFileSync(key, 'latin1').trim()}`;
   const page = await joinPage(browser, `play.example.org:${port}`, { query: owner, viewport: roomyScreen });
   await findButton(page).click();
   assert.doesNotMatch(await findLink(page).inputValue(), /#/);
@@ -160,7 +160,7 @@ test('worlds elsewhere are links, and an https page plays over wss', async () =>
 test('a world that is not there is not another one, and an invite to it is shown to none', async () => {
   const { program: server, address } = await startPair();
   const { program: gateway, host } = await startGateway(`one=${address}`, pageFolder, '--server', `two=${address}`);
-  const page = await openPage(browser, host, { query: 'name=mira&quality=4&world=three#invite=abc' });
+  const page = await openPage(browser, host, { query: 'name=mira&quality=5&world=three#invite=abc' });
   await page.tab.getByText('“three” is not among the worlds of this page.').waitFor();
   await page.tab.waitForTimeout(500);
   assert.deepEqual(page.requests.filter((url) => url.startsWith('ws')), []);

@@ -18,7 +18,7 @@ const floorView = { x: 150, y: 180, width: 340, height: 105 };
 // Shares of a picture's pixels.
 const littleChange = 0.015;
 const muchChange = 0.075;
-const spectator = { query: 'spectate&quality=4' };
+const spectator = { query: 'spectate&quality=5' };
 const tinyScreen = { width: 480, height: 300 }; // drawn within a frame's time, also where another program computes
 
 let browser;

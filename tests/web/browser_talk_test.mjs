@@ -46,7 +46,7 @@ test('lines, emotes, names, a mute and thuds in two pages', async () => {
     assert.equal(await program.end, 0, program.errors.join('\n'));
     return program.lines;
   };
-  const query = 'name=mira&quality=4';
+  const query = 'name=mira&quality=5';
   const mira = await joinPage(browser, host, { query, viewport: roomyScreen, wait: 0 });
   const other = await joinPage(browser, host, { query, viewport: roomyScreen });
   const { ownBody } = await probe(mira, 'state');

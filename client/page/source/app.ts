@@ -20,7 +20,7 @@ import { CameraMode, OrbitCamera } from './scene/camera';
 import { Survey } from './scene/crowd';
 import { Eyes } from './scene/eyes';
 import { Labels } from './scene/labels';
-import { Quality } from './scene/quality';
+import { HasSmoothEdges, Quality } from './scene/quality';
 import { FindIsSoftware, Stage } from './scene/stage';
 import { Veil } from './scene/veil';
 import { Sound } from './sound/sound';
@@ -73,7 +73,7 @@ export class App {
     const asked = query.get('quality');
     const fixed = asked === null ? this.m_settings.quality : Number(asked);
     const isSoftware = FindIsSoftware();
-    this.stage = new Stage(canvas, !isSoftware || fixed !== null);
+    this.stage = new Stage(canvas, HasSmoothEdges(fixed, isSoftware));
     this.quality = new Quality(fixed, isSoftware, (level) => this.stage.ApplyQuality(level));
     this.camera.zoom = this.m_settings.zoom;
     this.stage.scene.add(this.arena.group, this.bodies.group);

@@ -39,7 +39,7 @@ export class Stage {
   private m_shadowFrame = 0;
   private m_quality: QualityLevel | null = null;
 
-  // smooths: anti-aliasing; it makes software rendering four times slower.
+  // smooths: anti-aliases edges.
   constructor(canvas: HTMLCanvasElement, smooths: boolean) {
     this.renderer = new WebGLRenderer({ canvas, antialias: smooths, powerPreference: 'high-performance' });
     this.renderer.toneMapping = NeutralToneMapping;
