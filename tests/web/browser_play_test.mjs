@@ -18,7 +18,8 @@ const floorView = { x: 150, y: 180, width: 340, height: 105 };
 // Shares of a picture's pixels.
 const littleChange = 0.015;
 const muchChange = 0.075;
-const spectator = { query: 'spectate&quality=5' };
+const spectator = { query: 'spectate&quality=4' };
+const shaded = { query: 'name=mira&quality=4' }; // a body's shadow is half of what changes where it moves
 const tinyScreen = { width: 480, height: 300 }; // drawn within a frame's time, also where another program computes
 
 let browser;
@@ -91,7 +92,7 @@ test('a key moves the body, in the world and to the eye', () =>
     const change = await compareScreenshots(browser, before, await look());
     await page.tab.keyboard.up('KeyW');
     assert.ok(change > muchChange, `${change} of the picture`);
-  }, {}));
+  }, shaded));
 
 test('a finger on the stick moves the body', () =>
   play('arena', async (page) => {
