@@ -77,7 +77,7 @@ export function startBots(world, count, script = 'wander.lua') {
 export async function openPage(
   browser,
   host,
-  { query = 'name=mira&quality=5', onTab = () => {}, scheme = 'http', wait = 80, ...options } = {},
+  { query = 'name=mira&quality=5', onTab = () => {}, scheme = 'http', wait = 150, ...options } = {},
 ) {
   const context = await browser.newContext({ viewport: smallScreen, reducedMotion: 'reduce', ...options });
   await context.addInitScript((wait) => {
