@@ -5,7 +5,7 @@
     python3 tests/nightly.py JOB          one job alone (make nightly PART=JOB)
     python3 tests/nightly.py --list N     the jobs of each part, with the minutes that they take on two cores
 
-Jobs are dealt out by their minutes, the longest first to the part that has least; two parts take less than 120 minutes
+Jobs are dealt out by their minutes, the longest first to the part that has least; seven parts take less than 120 minutes
 each. A job that has passed at this commit is not run again, so a part that was interrupted goes on where it was. Each
 job leaves tests/bench/results/nightly/JOB.json: commit, host's processor, minutes, exit code, and the figures that it
 has. Its output is in build/nightly/JOB.log. The exit code is 0 when every job of the part has passed, 1 when one has
@@ -25,8 +25,10 @@ LOGS = ROOT / "build" / "nightly"
 LONGEST_PART = 120  # minutes
 
 REPORTS = {  # minutes of a full report
-    "accuracy": 13, "stability": 9, "throughput": 6, "skip": 2, "contact": 8, "codec": 4, "interpolation": 4, "link": 12,
-    "capacity": 16}
+    "accuracy": 13, "throughput": 6, "skip": 2, "contact": 8, "codec": 4, "interpolation": 4, "link": 12, "capacity": 16}
+STABILITY = {"limits": 3, "perturbations": 1, "growth": 1, "broken": 12, "stress": 12}  # its parts, by a word of their names
+RANDOM_SEEDS = range(1, 11)  # of 10,000 random trials each
+RANDOM_MINUTES = 32
 FUZZED = ("snapshot", "shape", "round_trip", "basis", "messages", "vestibule", "token", "session", "scene", "lua", "http")
 FUZZ_SECONDS = 600  # of each target
 
@@ -46,10 +48,17 @@ def build_for_arm(compiler, target):
 def list_jobs():
     """(name, minutes, commands) of all jobs; a command is an argument list, or that and its environment."""
     jobs = []
+
+    def add_report(name, minutes, *words):
+        jobs.append((f"lab_{name}", minutes, release_build("wobble_lab", "wobbled") + [
+            ["build/release/bin/wobble_lab", *words, "--json", str(LOGS / f"{name}_figures.json")]]))
+
     for report, minutes in REPORTS.items():
-        figures = LOGS / f"{report}_figures.json"
-        jobs.append((f"lab_{report}", minutes, release_build("wobble_lab", "wobbled") + [
-            ["build/release/bin/wobble_lab", report, "--json", str(figures)]]))
+        add_report(report, minutes, report)
+    for part, minutes in STABILITY.items():
+        add_report(f"stability_{part}", minutes, "stability", "--part", part)
+    for seed in RANDOM_SEEDS:
+        add_report(f"stability_random_{seed}", RANDOM_MINUTES, "stability", "--part", "random", "--seed", str(seed))
     for target in FUZZED:
         corpus = LOGS / f"corpus_{target}"
         jobs.append((f"fuzz_{target}", 1 + FUZZ_SECONDS / 60, [
