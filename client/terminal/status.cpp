@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <string_view>
+#include <utility>
 
 namespace wobble::terminal {
 namespace {
@@ -69,6 +71,35 @@ void WriteStatus(CellGrid& grid, const std::string& text, const std::string& hin
 void WriteTop(CellGrid& grid, const std::string& text) {
   for (int column = 0; column < grid.columns; ++column) grid.At(column, 0) = {U' ', kInk, kPaper};
   grid.Write(1, 0, text, kInk, kPaper);
+}
+
+namespace {
+
+// In rows of so many columns, at spaces where there are any; all but the first are indented.
+void Wrap(std::string line, std::size_t columns, std::vector<std::string>& rows) {
+  constexpr std::string_view kIndent = "  ";
+  while (line.size() > columns) {
+    const std::size_t space = line.rfind(' ', columns);
+    const bool isFound = space != std::string::npos && space > kIndent.size();
+    const std::size_t end = isFound ? space : columns;
+    rows.push_back(line.substr(0, end));
+    line = std::string(kIndent) + line.substr(isFound ? end + 1 : end);
+  }
+  rows.push_back(std::move(line));
+}
+
+}  // namespace
+
+void WriteAnswer(CellGrid& grid, const std::vector<std::string>& lines) {
+  std::vector<std::string> rows;
+  for (const std::string& line : lines) Wrap(line, static_cast<std::size_t>(std::max(grid.columns - 2, 8)), rows);
+  const int room = std::max(grid.rows - 2, 0);
+  const int first = std::max(static_cast<int>(rows.size()) - room, 0);
+  int row = grid.rows - 1 - (static_cast<int>(rows.size()) - first);
+  for (auto each = rows.begin() + first; each != rows.end(); ++each, ++row) {
+    for (int column = 0; column < grid.columns; ++column) grid.At(column, row) = {U' ', kInk, kPaper};
+    grid.Write(1, row, *each, kInk, kPaper);
+  }
 }
 
 namespace {

@@ -43,6 +43,8 @@ struct StatusFigures {
 void WriteStatus(CellGrid& grid, const std::string& text, const std::string& hint);
 // Writes the first row.
 void WriteTop(CellGrid& grid, const std::string& text);
+// Writes lines above the last row and below the first, wrapped; when there are too many, the last of them.
+void WriteAnswer(CellGrid& grid, const std::vector<std::string>& lines);
 // Writes a box in the middle.
 void WriteBox(CellGrid& grid, const std::vector<std::string>& lines);
 

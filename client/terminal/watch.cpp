@@ -21,6 +21,7 @@
 #include "client/command/exit_codes.h"
 #include "client/files/kept_folder.h"
 #include "client/lasting_client.h"
+#include "client/terminal/answer.h"
 #include "client/terminal/camera.h"
 #include "client/terminal/controls.h"
 #include "client/terminal/film.h"
@@ -47,7 +48,7 @@ constexpr double kGoodbyePatience = 1.5;  // s to wait for the server's answer t
 constexpr double kRateEvery = 1;          // s between measurements of the rate
 constexpr double kSilence = 1.5;          // s without a snapshot after which the status line says so
 constexpr double kFigureSmoothing = 0.1;
-constexpr double kNoticeTime = 4;  // s for which a line from the server is shown
+constexpr double kNoticeTime = 4;  // s for which an event is shown
 
 class Watch {
  public:
@@ -109,6 +110,7 @@ class Watch {
   Hands m_hands;
   FilmKeys m_film;
   Followed m_followed;
+  Answer m_answer;
   std::string m_notice;
   double m_noticeUntil = 0;
 
@@ -176,7 +178,7 @@ void Watch::Begin(client::Client& client) {
   client.OnEvent([this](const client::Client::Event& event) { NoteEvent(event); });
   client.OnNextScene([this](const std::string& scene) { NoteNextScene(scene); });
   client.OnNotice([this](const std::string& text) {
-    if (!m_film.TakeNotice(text)) Show(text);
+    if (!m_film.TakeNotice(text)) m_answer.Add(MakePlain(text), command::ReadClock());
   });
 }
 
@@ -376,6 +378,7 @@ void Watch::WriteFigures(double now) {
   } else if (!Client().Welcome().game.empty()) {
     WriteTop(m_grid, FormatScores(Client().ReadScoreboard(), [this](std::uint32_t id) { return m_people.NameOf(id); }));
   }
+  if (const std::vector<std::string> answer = m_answer.Read(now); !answer.empty()) WriteAnswer(m_grid, answer);
   std::string words = now < m_noticeUntil ? m_notice : FormatStatus(m_figures);
   if (now >= m_newsAt + kSilence) words = FormatSilence(now - m_newsAt);
   if (!IsPlaying()) words = FormatRejoining(MakePlain(m_player->Reason()));
