@@ -44,7 +44,9 @@ Reply AskSocket(const std::string& path, const std::string& order) {
     if (count > 0) text.append(bytes, static_cast<std::size_t>(count));
   }
   close(connection);
-  return isSent ? ReadReply(text) : fail(std::strerror(reason));
+  if (isSent) return ReadReply(text);
+  const bool isAbsent = reason == ENOENT || reason == ECONNREFUSED;
+  return fail(std::strerror(reason) + std::string(isAbsent ? "; a server makes it with --admin-socket " + path : ""));
 }
 
 Reply AskHttp(const std::string& host, int port, const std::string& key, const std::string& order) {

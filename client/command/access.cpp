@@ -81,7 +81,7 @@ void AddAccessOptions(CLI::App& command, Access& access, Visitor visitor) {
       .add_option("--server-key", access.serverKey,
                   std::string("The server's key, 64 hexadecimal digits as it prints them; else the one that ") +
                       (visitor == Visitor::kPerson ? "was noted at the first visit" : "`wobble watch` has noted") +
-                      " (known_servers in the user's data folder; of servers on this machine none)")
+                      " (known_servers in the user's data folder; keys of servers on this machine are not noted)")
       ->type_name("KEY");
 }
 

@@ -62,7 +62,7 @@ void DescribeOptions(CLI::App& app, Options& options) {
   app.add_option("--name", options.name, "What browsers of servers show, up to 63 bytes (the scene's name)")
       ->type_name("TEXT");
   app.add_flag("--hidden", options.isHidden,
-               "Tell nobody what is played who is not in: no answer to server queries (A2S)");
+               "Do not answer server queries (A2S): only who is in learns what is played");
   app.add_flag("--announce", options.isAnnounced,
                "Announce the world in the local network (DNS-SD), for wobble list and other browsers of services")
       ->excludes("--hidden");

@@ -213,6 +213,7 @@ bool StartRecording(const Options& options, const scenes::SceneSource& source, S
                  .maxFileBytes = static_cast<std::uint64_t>(options.recordMib) << 20,
                  .readUnixTime = readUnixTime},
                 MakeHead(options, source));
+  fmt::print("recording into {}; files are named after scene and time, and end in .wobrec\n", options.recordFolder);
   return true;
 }
 

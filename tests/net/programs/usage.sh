@@ -118,7 +118,7 @@ TOML
   expect_line "$err" "^wobbled: bad.toml:10: blueprint = 'bal': must be one of: ball$"
   [ ! -s "$out" ] || fail "nothing to listen" "$out"
   expect_refusal "scene 'aren' is not known; one of: arena, backtracking, ball_drop, breathing, " wobbled --port 0 --scene aren
-  expect_refusal "scene file '$folder/none.toml' cannot be read" wobbled --port 0 --scene "$folder/none.toml"
+  expect_refusal "scene file '$folder/none.toml' cannot be read: there is no such file$" wobbled --port 0 --scene "$folder/none.toml"
   printf 'gravity = \n' >"$folder/bad.toml"
   expect_refusal '^wobbled: bad.toml:1: ' wobbled --port 0 --scene "$folder/bad.toml"
   { printf 'a.%.0s' $(seq 50000); echo 'a = 1'; } >"$folder/bad.toml"
