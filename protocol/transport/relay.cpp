@@ -28,7 +28,7 @@
 #include <utility>
 #include <vector>
 
-#include "protocol/transport/link_direction.h"
+#include "protocol/transport/link_emulation.h"
 
 namespace wobble::transport {
 namespace {

@@ -16,7 +16,7 @@
 #include <utility>
 
 #include "protocol/random.h"
-#include "protocol/transport/link_direction.h"
+#include "protocol/transport/link_emulation.h"
 
 namespace wobble::transport {
 namespace {

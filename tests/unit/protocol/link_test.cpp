@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "protocol/transport/link_conditions.h"
-#include "protocol/transport/link_direction.h"
+#include "protocol/transport/link_emulation.h"
 
 namespace wobble::transport {
 namespace {

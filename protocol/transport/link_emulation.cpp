@@ -5,7 +5,7 @@
 // which loses, delays, holds back and duplicates; and a black-out, which drops all that enters or would come out while
 // it lasts. A black-out stores nothing: no radio keeps datagrams and releases them in a burst afterwards, and a client
 // could not tell such a burst from a flood. A datagram that is lost has used up rate; a second copy has not.
-#include "protocol/transport/link_direction.h"
+#include "protocol/transport/link_emulation.h"
 
 #include <algorithm>
 
