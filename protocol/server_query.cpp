@@ -98,7 +98,7 @@ void AppendPlayers(Bytes& out, const ServerPicture& picture) {
   for (std::size_t i = 0; i < count; ++i) {
     out.push_back(0);  // its number, which is 0 for all by custom
     Append(out, picture.named[i].name);
-    Append(out, 0, 4);  // score
+    Append(out, picture.named[i].score, 4);
     const auto seconds = static_cast<float>(picture.named[i].seconds);
     std::uint32_t bits;
     std::memcpy(&bits, &seconds, sizeof bits);

@@ -46,7 +46,8 @@ struct ServerPicture {
 
   struct Player {
     std::string name = {};
-    double seconds = 0;  // since they came
+    std::uint32_t score = 0;  // points of this round, where a game is played
+    double seconds = 0;       // since they came
   };
   std::vector<Player> named = {};  // of the players, those whose names are told
   std::vector<std::pair<std::string, std::string>> rules = {};

@@ -154,6 +154,7 @@ class Server {
     bool isSpectator = false;
     bool isMuted = false;
     double mutedFor = 0;   // s from now on; infinite: for good
+    int points = 0;        // of this round, where a game is played
     double seconds = 0;    // since it connected
     double roundTrip = 0;  // newest measured, s
     double rate = 0;       // that its snapshots may take, bit/s

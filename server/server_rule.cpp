@@ -35,14 +35,17 @@ Session* Server::FindSession(ClientId client) {
 
 std::vector<Server::Player> Server::ListPlayers(double now) const {
   std::vector<Player> players;
+  const Game* game = m_stage->playground.ReadGame();
   for (const auto& [connection, session] : m_sessions) {
     if (!session.IsIn()) continue;
+    const Match::Standing* standing = game == nullptr ? nullptr : game->ReadMatch().Find(session.clientId);
     players.push_back({.client = session.clientId,
                        .name = session.name,
                        .admission = session.admission,
                        .isSpectator = session.spectator,
                        .isMuted = session.isMuted,
                        .mutedFor = session.isMuted ? session.mutedUntil - now : 0,
+                       .points = standing == nullptr ? 0 : standing->points,
                        .seconds = now - session.connectedAt,
                        .roundTrip = session.roundTrip,
                        .rate = session.subscription.room.Rate(1000 * m_config.clientKbit)});

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "protocol/limits.h"
@@ -31,7 +32,9 @@ protocol::ServerPicture MakePicture(const server::Server& server, const Identity
                                   .isPrivate = identity.wantsCredential || server.IsLocked()};
   if (!picture.isPrivate) {
     for (const server::Server::Player& player : server.ListPlayers(now)) {
-      picture.named.push_back({.name = player.name, .seconds = player.seconds});
+      picture.named.push_back({.name = player.name,
+                               .score = static_cast<std::uint32_t>(std::max(player.points, 0)),
+                               .seconds = player.seconds});
     }
   }
   picture.rules = {{"protocol", fmt::format("{}", protocol::kProtocolVersion)}, {"key", identity.key}};

@@ -29,7 +29,7 @@ ServerPicture MakePicture() {
           .players = 3,
           .maxPlayers = 64,
           .isPrivate = true,
-          .named = {{.name = "Zoë", .seconds = 1.5}},
+          .named = {{.name = "Zoë", .score = 258, .seconds = 1.5}},
           .rules = {{"key", "00ff"}}};
 }
 
@@ -121,7 +121,7 @@ TEST(ServerQuery, TellsWhatIsPlayed) {
 TEST(ServerQuery, TellsWhoPlaysAndTheRules) {
   const auto players = MakeAnswer(QueryKind::kPlayers, MakePicture(), 1);
   ASSERT_EQ(players.size(), 1U);
-  const Bytes zoe{'D', 1, 0, 'Z', 'o', 0xC3, 0xAB, 0, 0, 0, 0, 0, 0, 0, 0xC0, 0x3F};
+  const Bytes zoe{'D', 1, 0, 'Z', 'o', 0xC3, 0xAB, 0, 2, 1, 0, 0, 0, 0, 0xC0, 0x3F};
   EXPECT_EQ(players.front(), kHead + zoe);
   const auto rules = MakeAnswer(QueryKind::kRules, MakePicture(), 1);
   ASSERT_EQ(rules.size(), 1U);
