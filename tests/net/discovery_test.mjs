@@ -71,6 +71,16 @@ test("gamedig's own command finds the world by its scene's name", async () => {
   assert.equal(said.map, 'sumo');
 });
 
+test('where a game is played, the points of the players are told', async () => {
+  const { address } = await startServer('--scene', 'crown');
+  new Program('wobble', ['bots', address, '--script', path.join(root, 'client/bots/scripts/crown.lua'), '--count', '3']);
+  const player = await waitFor('a point', async () => {
+    const { players } = await query(address);
+    return players.find(({ raw }) => raw.score > 0) ?? sleep(200);
+  });
+  assert.ok(player.raw.score < 1000, `${player.raw.score} points`);
+});
+
 test('where a password is asked for, players are counted and not named', async () => {
   const password = write('password', 'tulip\n');
   const { address } = await startServer('--password-file', password);
