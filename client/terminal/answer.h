@@ -1,6 +1,7 @@
 // What the server has said last. An order is answered by several lines, each a message of its own.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@ class Answer {
   // now: s.
   void Add(std::string line, double now) {
     if (now > m_newest + kTogether) m_lines.clear();
+    if (m_lines.size() == kMostLines) m_lines.erase(m_lines.begin());
     m_lines.push_back(std::move(line));
     m_newest = now;
   }
@@ -26,6 +28,7 @@ class Answer {
   static constexpr double kTogether = 0.5;  // s between lines of one answer, at most
   static constexpr double kLeastTime = 3.5;
   static constexpr double kTimePerLine = 0.5;
+  static constexpr std::size_t kMostLines = 60;  // more than a screen has; a server may never stop
 
   std::vector<std::string> m_lines;
   double m_newest = -1e9;

@@ -24,6 +24,8 @@ TEST(Answer, LinesThatComeTogetherAreShownTogetherAndLongEnoughToRead) {
   EXPECT_THAT(answer.Read(12), ElementsAre("next")) << "the line of another answer";
   EXPECT_THAT(answer.Read(15.9), ElementsAre("next"));
   EXPECT_THAT(answer.Read(16.1), IsEmpty());
+  for (int i = 0; i < 1000; ++i) answer.Add("again", 20);
+  EXPECT_LE(answer.Read(20).size(), 100U) << "of a server that never stops";
 }
 
 std::string ReadRow(const CellGrid& grid, int row) {
