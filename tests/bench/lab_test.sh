@@ -89,35 +89,28 @@ case_interrupt() {
   [ ! -e "$folder/a.json" ] || fail "no results"
 }
 
-# The same trial gives the same row, whatever else is played.
-# expect_recording: what the latest output names is a recording, and plays the same again.
+# expect_recording JSON: what the latest output names is a recording, which is in this file, and plays the same again.
 expect_recording() {
   local file
   file="$(sed -n 's/^.*; wobble watch \(.*wobrec\)$/\1/p' "$out" | head -n 1)"
   grep -q 'it differs\|not recorded' "$out" && fail 'the trials to the bit'
-  expect_line "$folder/a.json" "\"recording\": \"$file\""
+  expect_line "$1" "\"recording\": \"$file\""
   "${lab%/*}/wobbled" --replay "$file" --verify >"$out" 2>"$err" || fail "that $file plays the same"
   expect_line "$out" '^identical: [1-9][0-9]* ticks'
 }
 
-# A trial by its number, and all those that fail by a judge who is stricter than the engine: each is there to be watched.
+# A trial by its number is there to be watched.
 case_recorded_trial() {
-  local -a random=(stability --quick --part 'random trials' --recordings "$folder/recordings" --json "$folder/a.json")
   expect_exit 0 stability --trial 12 --recordings "$folder/recordings" --json "$folder/a.json"
-  expect_recording
+  expect_recording "$folder/a.json"
   expect_exit 0 stability --trial 36 --beyond --recordings "$folder/recordings" --json "$folder/a.json"
-  expect_recording
-  rm -r "$folder/recordings"
-  expect_exit 0 "${random[@]}" --depth 0.2
-  expect_line "$out" ', too deep at tick [1-9][0-9]*: .*; wobble watch '
-  [ "$(find "$folder/recordings" -name '*.wobrec' | wc -l)" -eq "$(grep -c '; wobble watch ' "$out")" ] ||
-    fail 'a recording of each trial that fails'
-  expect_recording
+  expect_recording "$folder/a.json"
   expect_exit 0 capacity --quick --players 2 --recordings "$folder/recordings" --json "$folder/a.json"
   "${lab%/*}/wobbled" --replay "$folder/recordings/worst-of-2.wobrec" --verify >"$out" 2>"$err" ||
     fail 'that the worst ten seconds play the same'
 }
 
+# The same trial gives the same row, whatever else is played.
 case_trial_again() {
   expect_exit 0 contact --trial 2 --quick --json "$folder/a.json"
   expect_exit 0 contact --trial 2 --quick --json "$folder/b.json"
@@ -194,11 +187,17 @@ case_contact() {
     "bounce laws slide penetration"
 }
 
+# By a judge of depths who is stricter than the engine, so that there are random trials that fail: each is recorded.
 case_stability() {
   expect_report stability \
     "theory_deviation_max server_step_over_limit_max perturbation_rk4_left growth_over_bound_max
      random_trials non_finite inverted quarantined penetration_p999" \
-    "stability_limits stability_map stability_perturbation stability_growth stability_trials"
+    "stability_limits stability_map stability_perturbation stability_growth stability_trials" \
+    --depth 0.2 --recordings "$folder/recordings"
+  expect_line "$out" ', too deep at tick [1-9][0-9]*: .*; wobble watch '
+  [ "$(find "$folder/recordings" -name '*.wobrec' | wc -l)" -eq "$(grep -c '; wobble watch ' "$out")" ] ||
+    fail 'a recording of each trial that fails'
+  expect_recording "$folder/stability.json"
 }
 
 case_throughput() {
