@@ -12,6 +12,25 @@ constexpr Colour kInk{205, 214, 228};
 constexpr Colour kFaintInk{130, 142, 162};
 constexpr Colour kPaper{24, 30, 42};
 
+// Writes a whole row.
+void WriteRow(CellGrid& grid, int row, const std::string& text) {
+  for (int column = 0; column < grid.columns; ++column) grid.At(column, row) = {U' ', kInk, kPaper};
+  grid.Write(1, row, text, kInk, kPaper);
+}
+
+// In rows of so many columns, at spaces where there are any; all but the first are indented.
+void Wrap(std::string line, std::size_t columns, std::vector<std::string>& rows) {
+  constexpr std::string_view kIndent = "  ";
+  while (line.size() > columns) {
+    const std::size_t space = line.rfind(' ', columns);
+    const bool isFound = space != std::string::npos && space > kIndent.size();
+    const std::size_t end = isFound ? space : columns;
+    rows.push_back(line.substr(0, end));
+    line = std::string(kIndent) + line.substr(isFound ? end + 1 : end);
+  }
+  rows.push_back(std::move(line));
+}
+
 }  // namespace
 
 std::string FormatStatus(const StatusFigures& figures) {
@@ -60,35 +79,14 @@ const char* DescribeEmote(wire::EmoteKind kind) {
 
 void WriteStatus(CellGrid& grid, const std::string& text, const std::string& hint) {
   const int row = grid.rows - 1;
-  for (int column = 0; column < grid.columns; ++column) grid.At(column, row) = {U' ', kInk, kPaper};
-  grid.Write(1, row, text, kInk, kPaper);
+  WriteRow(grid, row, text);
   for (const std::string& words : {hint, hint.substr(0, 1)}) {
     const int left = grid.columns - 1 - static_cast<int>(words.size());
     if (left > static_cast<int>(text.size()) + 2) return grid.Write(left, row, words, kFaintInk, kPaper);
   }
 }
 
-void WriteTop(CellGrid& grid, const std::string& text) {
-  for (int column = 0; column < grid.columns; ++column) grid.At(column, 0) = {U' ', kInk, kPaper};
-  grid.Write(1, 0, text, kInk, kPaper);
-}
-
-namespace {
-
-// In rows of so many columns, at spaces where there are any; all but the first are indented.
-void Wrap(std::string line, std::size_t columns, std::vector<std::string>& rows) {
-  constexpr std::string_view kIndent = "  ";
-  while (line.size() > columns) {
-    const std::size_t space = line.rfind(' ', columns);
-    const bool isFound = space != std::string::npos && space > kIndent.size();
-    const std::size_t end = isFound ? space : columns;
-    rows.push_back(line.substr(0, end));
-    line = std::string(kIndent) + line.substr(isFound ? end + 1 : end);
-  }
-  rows.push_back(std::move(line));
-}
-
-}  // namespace
+void WriteTop(CellGrid& grid, const std::string& text) { WriteRow(grid, 0, text); }
 
 void WriteAnswer(CellGrid& grid, const std::vector<std::string>& lines) {
   std::vector<std::string> rows;
@@ -96,10 +94,7 @@ void WriteAnswer(CellGrid& grid, const std::vector<std::string>& lines) {
   const int room = std::max(grid.rows - 2, 0);
   const int first = std::max(static_cast<int>(rows.size()) - room, 0);
   int row = grid.rows - 1 - (static_cast<int>(rows.size()) - first);
-  for (auto each = rows.begin() + first; each != rows.end(); ++each, ++row) {
-    for (int column = 0; column < grid.columns; ++column) grid.At(column, row) = {U' ', kInk, kPaper};
-    grid.Write(1, row, *each, kInk, kPaper);
-  }
+  for (auto each = rows.begin() + first; each != rows.end(); ++each, ++row) WriteRow(grid, row, *each);
 }
 
 namespace {

@@ -148,10 +148,9 @@ test('a phone shows all of it, large enough, and nothing on top of another', asy
   for (const [name, screen] of Object.entries(phones)) {
     await page.tab.setViewportSize(screen);
     await waitFor('the layout', async () => (await page.tab.evaluate(() => innerWidth)) === screen.width);
-    let boxes = [];
-    await waitFor('all controls', async () => {
-      boxes = await findBoxes(page.tab, '.drawer-button, .stick, .round button, .tools, .middle, .hint');
-      return boxes.length >= 7;
+    const boxes = await waitFor('all controls', async () => {
+      const found = await findBoxes(page.tab, '.drawer-button, .stick, .round button, .tools, .middle, .hint');
+      return found.length >= 7 && found;
     });
     for (const box of boxes) {
       const isIn = box.x >= 0 && box.y >= 0 && box.x + box.width <= screen.width && box.y + box.height <= screen.height;

@@ -25,27 +25,20 @@ start() {
   pid=$!
 }
 
-# wait_for_line NAME PATTERN: waits until the program started under NAME has written the line.
-wait_for_line() {
-  local tries
+# wait_in NAME.out|NAME.err PATTERN: waits until the program started under NAME has written the line there.
+wait_in() {
+  local tries name="${1%.*}"
   for ((tries = 0; tries < patience * 20; ++tries)); do
-    grep -q -e "$2" "$folder/$1.out" && return
+    grep -q -e "$2" "$folder/$1" && return
     kill -0 "$pid" 2>/dev/null || break
     sleep 0.05
   done
-  fail "a line '$2' from $1" "$folder/$1.out" "$folder/$1.err"
+  fail "a line '$2' from $name" "$folder/$name.out" "$folder/$name.err"
 }
 
-# wait_for_log NAME PATTERN: the same of its standard error.
-wait_for_log() {
-  local tries
-  for ((tries = 0; tries < patience * 20; ++tries)); do
-    grep -q -e "$2" "$folder/$1.err" && return
-    kill -0 "$pid" 2>/dev/null || break
-    sleep 0.05
-  done
-  fail "a line '$2' from $1" "$folder/$1.out" "$folder/$1.err"
-}
+# wait_for_line NAME PATTERN, wait_for_log NAME PATTERN: a line of its output, of its standard error.
+wait_for_line() { wait_in "$1.out" "$2"; }
+wait_for_log() { wait_in "$1.err" "$2"; }
 
 # read_port NAME TEXT: the number after this text in the output of the program started under NAME.
 read_port() { sed -n "s/^$2\([1-9][0-9]*\).*/\1/p" "$folder/$1.out"; }

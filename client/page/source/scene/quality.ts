@@ -18,8 +18,7 @@ const kLevels: QualityLevel[] = [
   { maxPixelRatio: 1, pixelShare: 0.4, shadowSize: 0, shadowEvery: 1, isRich: false },
 ];
 export const kQualityLevels = kLevels.length;
-const kSoftwareLevel = 3; // start level without a graphics card
-const kSmoothLevels = 3; // the first so many are for graphics cards and have smooth edges
+const kSoftwareLevel = 3; // start level without a graphics card; those before it have smooth edges
 const kSlowFrame = 0.033; // s
 const kFastFrame = 0.012;
 const kSlowFor = 1.5; // s before a step down
@@ -29,7 +28,7 @@ const kLongestFrame = 0.25; // s; a longer frame means that the page was hidden
 // Whether edges are anti-aliased, which holds for the life of the page: software takes 80 ms of processor for a frame of
 // level 4 with it and 59 without. fixed: as for Quality.
 export function HasSmoothEdges(fixed: number | null, isSoftware: boolean): boolean {
-  return fixed === null ? !isSoftware : !(fixed >= kSmoothLevels);
+  return fixed === null ? !isSoftware : !(fixed >= kSoftwareLevel);
 }
 
 export class Quality {
