@@ -23,6 +23,7 @@ struct BodyPair {
   std::array<std::vector<BodyContact<Real>>, 2> sides;  // as in ContactPair
   std::vector<EdgeContact<Real>> edges;
   CoreContact core;
+  double gap = 0;    // at which the skins begin to push, m (contact/skin_gap.h)
   bool met = false;  // the contacts have been searched for in this tick
 
   [[nodiscard]] bool IsSelf() const { return first == second; }

@@ -125,14 +125,15 @@ std::vector<Vector3d> FindOther(const Subject<Real>& subject, const Vector3d& gr
 }
 
 template <class Real>
-Meeting<Real> Meet(const Subject<Real>& ofVertices, const Subject<Real>& ofFaces) {
+Meeting<Real> Meet(const Subject<Real>& ofVertices, const Subject<Real>& ofFaces, double gap) {
   return {.x = ofVertices.state.positions,
           .v = ofVertices.state.velocities,
           .shares = ofVertices.body.contactShares,
           .skin = {.faces = ofFaces.body.faces,
                    .topology = &ofFaces.blueprint.topology,
                    .x = ofFaces.state.positions,
-                   .offset = static_cast<Real>(ofVertices.blueprint.rodRadius)},
+                   .offset = static_cast<Real>(ofVertices.blueprint.rodRadius + gap),
+                   .fadingGap = static_cast<Real>(FindFadingGap(ofVertices.blueprint, ofFaces.blueprint, gap))},
           .skinV = ofFaces.state.velocities,
           .shift = (ofVertices.state.origin - ofFaces.state.origin).template cast<Real>()};
 }
@@ -172,8 +173,8 @@ void AddBodyContacts(const BodyPair<Real>& pair, const Subject<Real>& subject, s
   for (std::size_t side = 0; side < 2; ++side) {
     const bool ofVertices = side == ofSubject;
     std::vector<ContactForce<Real>> computed(pair.sides[side].size());
-    ComputeBodyContacts<Real>(both, ofVertices ? Meet(subject, other) : Meet(other, subject), pair.sides[side],
-                              computed);
+    const Meeting<Real> meeting = ofVertices ? Meet(subject, other, pair.gap) : Meet(other, subject, pair.gap);
+    ComputeBodyContacts<Real>(both, meeting, pair.sides[side], computed);
     if (ofVertices) AddToVertices<Real>(computed, add);
     if (!ofVertices) AddToCorners<Real>(computed, add);
   }

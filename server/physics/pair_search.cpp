@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "server/physics/contact/skin_gap.h"
 #include "server/physics/lanes/contact_limits.h"
 
 namespace wobble::physics {
@@ -135,6 +136,7 @@ void PairSearch<Real>::AddPairs() {
       pair.edges.clear();
     }
     if (known) pair.core = before->core;
+    if (known) pair.gap = before->gap;
     if (known) ++before;
     for (const std::uint32_t body : pair.places) AttachSleeper(body);
     m_lists.awake.push_back(std::move(pair));
@@ -245,7 +247,12 @@ void PairSearch<Real>::Meet(BodyPair<Real>& pair) {
   const Blueprint& second = *m_work.members[pair.places[1]].blueprint;
   // In their common plane the faces of planar bodies look past one another.
   const bool byFaces = !(first.full.planar && second.full.planar);
-  for (std::size_t side = 0; byFaces && side < 2; ++side) MeetFaces(side, pair);
+  const double fullGap = FindFullGap(first, second);
+  const bool hasMet = HasContacts(pair);
+  if (hasMet) WidenGap(fullGap, m_duration, pair.gap, pair.sides);
+  if (!hasMet) pair.gap = 0;
+  for (std::size_t side = 0; byFaces && side < 2; ++side) MeetFaces(side, fullGap, pair);
+  if (!hasMet) BeginGap(fullGap, pair.gap, pair.sides);
   if (MeetByEdges(first, second)) MeetEdges(pair);
   if (first.coreRadius > 0 && second.coreRadius > 0) MeetCores(pair);
 }
@@ -260,9 +267,10 @@ void PairSearch<Real>::MeetCores(BodyPair<Real>& pair) {
                     m_duration, kNearMargin, pair.core);
 }
 
-// Contacts of the vertices of the pair's body `side` with the faces of the other, if that has any.
+// Contacts of the vertices of the pair's body `side` with the faces of the other, if that has any. fullGap: that the
+// pair's gap may widen to, m.
 template <class Real>
-void PairSearch<Real>::MeetFaces(std::size_t side, BodyPair<Real>& pair) {
+void PairSearch<Real>::MeetFaces(std::size_t side, double fullGap, BodyPair<Real>& pair) {
   const std::uint32_t ofVertices = pair.places[side];
   const std::uint32_t ofFaces = pair.places[1 - side];
   const Member<Real>& vertices = m_work.members[ofVertices];
@@ -272,14 +280,14 @@ void PairSearch<Real>::MeetFaces(std::size_t side, BodyPair<Real>& pair) {
                              .skin = &m_lists.skins[ofFaces],
                              .kernel = m_kernel,
                              .near = faces.survey.bounds,
-                             .margin = static_cast<Real>(kNearMargin + vertices.blueprint->rodRadius),
+                             .margin = static_cast<Real>(kNearMargin + vertices.blueprint->rodRadius + fullGap),
                              .duration = static_cast<Real>(m_duration)};
   search.near.speed += vertices.survey.bounds.speed;
   const Real margin = search.margin + search.near.speed * search.duration;
   search.near.low.array() -= margin;
   search.near.high.array() += margin;
-  FindBodyContacts<Real>(FindParameters(vertices, faces), MakeMeeting<Real>(vertices, faces), FindSkin(vertices),
-                         search, pair.sides[side], m_work.scratch.local().search);
+  FindBodyContacts<Real>(FindParameters(vertices, faces), MakeMeeting<Real>(vertices, faces, pair.gap),
+                         FindSkin(vertices), search, pair.sides[side], m_work.scratch.local().search);
 }
 
 template <class Real>

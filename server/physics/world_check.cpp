@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 
+#include "server/physics/contact/skin_gap.h"
 #include "server/physics/world_state.h"
 
 namespace wobble::physics {
@@ -159,7 +160,9 @@ std::string CheckPair(const Inspection& subject, const BodyPair<Real>& pair) {
   const std::size_t secondEdges = pair.IsSelf() ? edges : FindMeetingEdges(ofSecond).size();
   const bool hasSides = !pair.sides[0].empty() || !pair.sides[1].empty();
   const bool isCore = std::isfinite(pair.core.stiffness) && pair.core.stiffness >= 0;
+  const bool isGap = pair.gap >= 0 && pair.gap <= kLargestGap;
   return FindFirst(Unless(isCore, "pair.core", pair.core.stiffness, "finite, 0 or more"),
+                   Unless(isGap, "pair.gap", pair.gap, "0 to 0.01 m"),
                    Unless(!pair.IsSelf() || !hasSides, "pair.sides", 1, "empty for a body with itself"),
                    CheckSide(ofFirst, ofSecond, pair.sides[0]), CheckSide(ofSecond, ofFirst, pair.sides[1]),
                    CheckEdges(edges, secondEdges, pair.edges));

@@ -54,6 +54,7 @@ void FindContactPairs(std::span<const Member<Real>> members, PairLists<Real>& pa
     const auto& ofB = members[b].blueprint->template Read<Real>().contact;
     lists.contactPairs[--begins[islandOf(i) + 1U]] = {.members = {lists.memberOf[a], lists.memberOf[b]},
                                                       .parameters = Combine(ofA, ofB),
+                                                      .gap = pairs.awake[i].gap,
                                                       .sides = {&pairs.awake[i].sides[0], &pairs.awake[i].sides[1]},
                                                       .edges = &pairs.awake[i].edges,
                                                       .core = &pairs.awake[i].core};

@@ -88,6 +88,7 @@ void CopyPairs(const PairLists<From>& from, PairLists<To>& to) {
       copy.first = pair.first;
       copy.second = pair.second;
       copy.core = pair.core;
+      copy.gap = pair.gap;
       for (std::size_t side = 0; side < 2; ++side) {
         for (const auto& contact : pair.sides[side]) copy.sides[side].push_back(Convert<To>(contact));
       }

@@ -103,8 +103,8 @@ void Describe(Archive& archive, Value& value) {
 template <class Archive, class Value>
 requires Is<Value, BodyPair<float>> || Is<Value, BodyPair<double>>
 void Describe(Archive& archive, Value& value) {
-  auto& [first, second, places, sides, edges, core, met] = value;
-  archive(first, second, sides, edges, core);
+  auto& [first, second, places, sides, edges, core, gap, met] = value;
+  archive(first, second, sides, edges, core, gap);
 }
 
 template <class Archive, class Value>

@@ -33,6 +33,7 @@ template <class Real>
 FacePoint<Real> FindStagePoint(const Meeting<Real>& meeting, const Vector3<Real>& p, const BodyContact<Real>& contact) {
   const Skin<Real> skin = SkinFrom(meeting, contact.side);
   FacePoint<Real> at = FindSeen(skin, contact, FollowContact(skin, contact, p), p);
+  FadeGap(skin, at);
   at.distance += contact.leap;
   return at;
 }
@@ -79,7 +80,7 @@ void ComputeBodyContacts(const ContactParameters<Real>& parameters, const Meetin
     const Real normalForce = ComputeNormalForce(parameters, depth, rate);
     Vector3<Real> pull = parameters.stickDamping * RemoveNormalPart<Real>(velocity, at.normal);
     if (contact.phase == ContactPhase::kTouching) {
-      pull += FindStickPull<Real>(parameters, parameters.friction, depth, FindSlip(meeting, contact, p, at.normal));
+      pull += FindStickPull<Real>(parameters, parameters.friction, depth, FindSlip(meeting, contact, p, at));
     }
     const Real limit = at.rounded ? Real(0) : parameters.friction * normalForce;
     const Real strength = std::sqrt(pull.dot(pull));
@@ -98,7 +99,7 @@ void ComputeBodyContacts(const ContactParameters<Real>& parameters, const Meetin
     for (std::size_t i = 0; i < 3; ++i)
       sides[i] = meeting.skin.x[face[(i + 2) % 3]] - meeting.skin.x[face[(i + 1) % 3]];
     const Real longest = std::sqrt(std::max({sides[0].squaredNorm(), sides[1].squaredNorm(), sides[2].squaredNorm()}));
-    const Real below = depth + contact.leap - meeting.skin.offset;  // the face itself, m
+    const Real below = depth + contact.leap + at.faded - meeting.skin.offset;  // the face itself, m
     const Real lever = std::clamp(below / at.doubleArea, Real(-1) / longest, Real(1) / longest);
     const Real winding =
         contact.side == SkinSide::kBack ? Real(-1) : Real(1);  // from behind, the sides go round the other way
@@ -119,7 +120,7 @@ double ComputeBodyContactEnergy(const ContactParameters<Real>& parameters, const
     if (!Pushes(contact, at)) continue;
     Real stored = ComputePenaltyEnergy(parameters, -at.distance);
     if (contact.phase == ContactPhase::kTouching && !at.rounded) {
-      const Vector3<Real> slip = FindSlip(meeting, contact, p, at.normal);
+      const Vector3<Real> slip = FindSlip(meeting, contact, p, at);
       stored += parameters.stickStiffness * slip.dot(slip) / Real(2);
     }
     energy += double{meeting.shares[contact.vertex] * stored};

@@ -64,6 +64,7 @@ class SideSearch {
     }
     const Vector3<Real> velocity = FindRelativeVelocity(m_meeting, vertex, at);
     if (IsOutOfReach(at, velocity)) return false;
+    if (!known) FadeGap(m_meeting.skin, at);
     Arm(m_parameters, velocity, m_search.duration / static_cast<Real>(kLikelySubsteps), m_meeting.skin, at, contact);
     if (!known) contact.depth = -at.distance;
     contact.face = at.face;

@@ -16,6 +16,13 @@ namespace {
 // coordinates has moved.
 constexpr double kStandingOverhang = 1e-3;
 
+// Whether the vertex is above the face and within the gap. It changes its face as one inside does: over a valley the
+// nearest face would be one and then the other, and its push would turn each time.
+template <class Real>
+bool IsInGap(const Skin<Real>& skin, const FacePoint<Real>& at) {
+  return (skin.topology->isOpen || skin.fadingGap > Real(0)) && at.distance < Real(0);
+}
+
 // The face that a contact has come to. Changes contact.side if the vertex has passed the border of an open skin.
 // before: p seen from the contact's face, on its side.
 template <class Real>
@@ -26,7 +33,7 @@ FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const Vector3<Real
   if (contact.phase != ContactPhase::kWaiting) {
     const FacePoint<Real> at = SlideToFace(skin, before, p);
     if (LooksAlong(at, contact.outward) && HangsOn(contact, at, before)) return before;
-    if (IsInside(skin, at)) {
+    if (IsInside(skin, at) || IsInGap(skin, at)) {
       if (!isOpen) return TurnToFacing(skin, at, p, contact.outward, static_cast<Real>(kArmingDepth));
       if (at.weights.minCoeff() >= Real(0)) return at;
     }
@@ -48,9 +55,9 @@ FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const Vector3<Real
 // it shrinks as the vertex comes out.
 //
 // In a closed body, all depth that the approach cannot have brought is leap. An open skin has nothing behind its faces
-// that could catch the vertex later. There the depth goes over steadily from face to face (FindSeen), and a contact that
-// touches takes on no leap: with one, balls and pairs sank through at every ridge that they were pressed against. One
-// that begins does, of the depth that no motion in any direction could have brought.
+// that could catch the vertex later. There the depth goes over steadily from face to face (FindSeen), and a contact
+// that touches takes on no leap: with one, balls and pairs sank through at every ridge that they were pressed against.
+// One that begins does, of the depth that no motion in any direction could have brought.
 template <class Real>
 void NoteLeap(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting, const FacePoint<Real>& at,
               Real h, BodyContact<Real>& contact) {
@@ -69,9 +76,9 @@ void NoteLeap(const ContactParameters<Real>& parameters, const Meeting<Real>& me
 }
 
 // Whether the vertex was in front of the open skin and is behind it, seen from `at`, though nothing can have brought it
-// there in h s. The walk from face to face has then ended at a layer of a crumpled skin that another one lies before, or
-// that is turned over. Taken for the vertex's place, all its depth would be leap, and when the vertex came to the skin
-// for true, it would be behind already and go on through.
+// there in h s. The walk from face to face has then ended at a layer of a crumpled skin that another one lies before,
+// or that is turned over. Taken for the vertex's place, all its depth would be leap, and when the vertex came to the
+// skin for true, it would be behind already and go on through.
 template <class Real>
 bool HasLeaptBehind(const Meeting<Real>& meeting, const BodyContact<Real>& contact, const FacePoint<Real>& at, Real h) {
   const Skin<Real>& skin = meeting.skin;
@@ -101,11 +108,13 @@ FacePoint<Real> RenewContact(const ContactParameters<Real>& parameters, const Me
   FacePoint<Real> at = FindPresentFace(meeting, p, before, contact);
   if (contact.phase == ContactPhase::kWaiting) {
     contact.leap = 0;
+    FadeGap(meeting.skin, at);
     return at;
   }
   if (contact.side == sideBefore) {
     const Skin<Real> skin = SkinFrom(meeting, contact.side);
     at = FindSeen(skin, contact, at, p);
+    FadeGap(skin, at);
     if (HasLeaptBehind(meeting, contact, at, h)) at = FindRounded(skin, at, p, false);
     NoteLeap(parameters, meeting, at, h, contact);
   } else {
@@ -179,7 +188,7 @@ void UpdateBodyContacts(const ContactParameters<Real>& parameters, const Meeting
     const Vector3<Real> velocity = FindRelativeVelocity(meeting, contact.vertex, at);
     Arm<Real>(parameters, velocity, h, meeting.skin, at, contact);
     const Real depth = -at.distance;
-    Vector3<Real> slip = wasTouching ? FindSlip(meeting, contact, p, at.normal)
+    Vector3<Real> slip = wasTouching ? FindSlip(meeting, contact, p, at)
                                      : FindFirstSlip<Real>(h, std::max(Real(0), depth), at.normal, velocity);
     const Real limit = at.rounded ? Real(0) : parameters.friction * ComputePenalty(parameters, depth);
     const Real strength = parameters.stickStiffness * std::sqrt(slip.dot(slip));

@@ -21,8 +21,9 @@ struct Skin {
   std::span<const Face> faces;
   const Topology* topology = nullptr;
   VectorView<Real> x;
-  Real side = 1;    // -1: an open skin seen from behind; all normals are then reversed
-  Real offset = 0;  // the distance at which the points that meet it begin to push, m: all distances are less by this
+  Real side = 1;       // -1: an open skin seen from behind; all normals are then reversed
+  Real offset = 0;     // the distance at which the points that meet it begin to push, m: all distances are less by this
+  Real fadingGap = 0;  // the offset if it fades out beyond the sides of faces (FadeGap of body_contact_view.h), m
 };
 
 // A point seen from the plane of a face.
@@ -33,6 +34,7 @@ struct FacePoint {
   Vector3<Real> normal;   // outward on the skin's `side`, unit length
   Vector3<Real> weights;  // barycentric, of the point's foot on the plane; their sum is one, negative beyond a side
   Real doubleArea = 0;    // twice the face's area, m²
+  Real faded = 0;         // of the gap, m: `distance` is more by this
   bool rounded = false;   // seen from the nearest point of the face (FindRounded of body_contact_view.h)
 };
 

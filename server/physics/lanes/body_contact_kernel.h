@@ -224,8 +224,8 @@ WOBBLE_INLINE SideView ViewSide(const FaceView<V>& at, const Axes<V>& from, cons
 }
 
 // The contacts that may leave their face, or that are not armed: the vertex is beside the face or slides off it, the
-// face looks along the normal of the vertex's own skin, or the vertex is outside and a neighbour may be nearer. All
-// others keep their face for certain.
+// face looks along the normal of the vertex's own skin, or the vertex is neither inside nor in the gap and a neighbour
+// may be nearer. All others keep their face for certain.
 template <class V, class Real>
 WOBBLE_INLINE std::uint32_t FindThoseThatMove(const FaceView<V>& at, const BodyContactBlock<Real>& block,
                                               const BodyContactPoints<Real>& points, std::size_t lane) {
@@ -242,8 +242,12 @@ WOBBLE_INLINE std::uint32_t FindThoseThatMove(const FaceView<V>& at, const BodyC
   const Axes<V> outward = ReadRows<V, Real>(block.outward, lane);
   const std::uint32_t hasOutward = FindBelow(zero, Dot(outward, outward));
   const std::uint32_t along = FindBelow(Spread<V>(static_cast<Real>(kFacingCosine)), Dot(at.normal, outward));
-  return FindBelow(FindLeast(at.weights), zero) | (all.nearer & ~FindBelow(at.distance, zero - offset)) | all.slides |
-         (hasOutward & along) | FindBelow(ReadRow<V>(block.maxDepth, lane), zero);
+  const std::uint32_t inside = FindBelow(at.distance, zero - offset);
+  const std::uint32_t isOpen = FindBelow(zero, ReadRow<V>(block.open, lane));
+  const std::uint32_t inGap =
+      (isOpen | hasOutward) & FindBelow(at.distance, zero);  // IsInGap of body_contact_update.cpp
+  return FindBelow(FindLeast(at.weights), zero) | (all.nearer & ~inside & ~inGap) | all.slides | (hasOutward & along) |
+         FindBelow(ReadRow<V>(block.maxDepth, lane), zero);
 }
 
 // HasLeaptBehind of body_contact_update.cpp, for a contact that keeps its face.
@@ -306,8 +310,8 @@ BodyContactChange UpdateBodyContactBlock(const BodyContactPoints<Real>& points, 
     const V limit = ReadRow<V>(block.friction, lane) * FindSpringForce<Real>(ReadLaw<V>(block, lane), inside);
     const V strength = ReadRow<V>(block.stickStiffness, lane) * Sqrt(Dot(slip, slip));
     const V kept = Min(limit / Max(strength, Spread<V>(Real(kLeastPull))), one);
-    // Adding +0 takes the sign from a zero: whose sign a lane that is not inside gets depends on the others of its block,
-    // and so on the width.
+    // Adding +0 takes the sign from a zero: whose sign a lane that is not inside gets depends on the others of its
+    // block, and so on the width.
     WriteRows<V, Real>(AddScaled(kept, slip, Axes<V>{zero, zero, zero}), block.slip, lane);
     WriteRows<V, Real>(at.weights, block.foot, lane);
     WriteRow(leap, block.leap, lane);

@@ -147,7 +147,7 @@ class BodySystem {
     const std::uint32_t vertices = contactPair.members[side];
     const std::uint32_t faces = contactPair.members[1 - side];
     return MakeMeeting<Real>(*m_members[vertices], SliceOf(x, vertices), SliceOf(v, vertices), *m_members[faces],
-                             SliceOf(x, faces), SliceOf(v, faces));
+                             SliceOf(x, faces), SliceOf(v, faces), contactPair.gap);
   }
 
   // The edges of a contact pair, likewise.

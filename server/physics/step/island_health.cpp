@@ -36,8 +36,8 @@ ElasticChange FindElasticChange(const BodySystem<Real>& system, const Island& is
     const Member<Real>& vertices = *system.Members()[contactPair.members[side % 2]];
     const Member<Real>& faces = *system.Members()[contactPair.members[1 - side % 2]];
     const Meeting<Real> meetingAfter = system.Meet(contactPair, side % 2, scratch.positions, scratch.velocities);
-    const double before = ComputeBodyContactEnergy<Real>(contactPair.parameters, MakeMeeting<Real>(vertices, faces),
-                                                         system.BodyContactsBefore(side));
+    const double before = ComputeBodyContactEnergy<Real>(
+        contactPair.parameters, MakeMeeting<Real>(vertices, faces, contactPair.gap), system.BodyContactsBefore(side));
     change.before += before;
     change.gain +=
         ComputeBodyContactEnergy<Real>(contactPair.parameters, meetingAfter, *contactPair.sides[side % 2]) - before;

@@ -13,6 +13,7 @@
 #include "server/physics/contact/core_contact.h"
 #include "server/physics/contact/edge_contact.h"
 #include "server/physics/contact/self_contact.h"
+#include "server/physics/contact/skin_gap.h"
 #include "server/physics/methods/forces.h"
 #include "server/physics/methods/health.h"
 #include "server/physics/methods/stability.h"
@@ -66,6 +67,7 @@ template <class Real>
 struct ContactPair {
   std::array<std::uint32_t, 2> members{};
   ContactParameters<Real> parameters;
+  double gap = 0;  // at which the skins begin to push, m
   std::array<std::vector<BodyContact<Real>>*, 2> sides{};
   std::vector<EdgeContact<Real>>* edges = nullptr;  // of the first's edges with the second's; null: none
   CoreContact* core = nullptr;                      // null: none
@@ -82,11 +84,11 @@ template <class Real>
 }
 
 // One side of a contact pair, for positions x, m, and velocities v, m/s, of the body with the vertices, and skinX and
-// skinV of the body with the faces, each in its body's local coordinates.
+// skinV of the body with the faces, each in its body's local coordinates. gap: of the pair, m.
 template <class Real>
 [[nodiscard]] Meeting<Real> MakeMeeting(const Member<Real>& ofVertices, const VectorView<Real>& x,
                                         const VectorView<Real>& v, const Member<Real>& ofFaces,
-                                        const VectorView<Real>& skinX, const VectorView<Real>& skinV) {
+                                        const VectorView<Real>& skinX, const VectorView<Real>& skinV, double gap) {
   const Vector3d shift = ofVertices.state->origin - ofFaces.state->origin;
   return {.x = x,
           .v = v,
@@ -94,7 +96,8 @@ template <class Real>
           .skin = {.faces = ofFaces.blueprint->template Read<Real>().faces,
                    .topology = &ofFaces.blueprint->topology,
                    .x = skinX,
-                   .offset = static_cast<Real>(ofVertices.blueprint->rodRadius)},
+                   .offset = static_cast<Real>(ofVertices.blueprint->rodRadius + gap),
+                   .fadingGap = static_cast<Real>(FindFadingGap(*ofVertices.blueprint, *ofFaces.blueprint, gap))},
           .skinV = skinV,
           .shift = shift.cast<Real>()};
 }
@@ -144,9 +147,9 @@ template <class Real>
 
 // MakeMeeting with positions and velocities as the bodies' states have them.
 template <class Real>
-[[nodiscard]] Meeting<Real> MakeMeeting(const Member<Real>& ofVertices, const Member<Real>& ofFaces) {
+[[nodiscard]] Meeting<Real> MakeMeeting(const Member<Real>& ofVertices, const Member<Real>& ofFaces, double gap) {
   return MakeMeeting<Real>(ofVertices, ofVertices.state->positions, ofVertices.state->velocities, ofFaces,
-                           ofFaces.state->positions, ofFaces.state->velocities);
+                           ofFaces.state->positions, ofFaces.state->velocities, gap);
 }
 
 }  // namespace wobble::physics

@@ -45,9 +45,10 @@ int AddAllContactLoads(std::span<Member<Real>* const> members, std::span<const C
     for (std::size_t side = 0; side < 2; ++side) {
       const std::uint32_t vertices = contactPair.members[side];
       const std::uint32_t faces = contactPair.members[1 - side];
-      most = std::max(
-          most, AddContactLoads<Real>(contactPair.parameters, MakeMeeting<Real>(*members[vertices], *members[faces]),
-                                      *contactPair.sides[side], duration, loadsOf(vertices), loadsOf(faces)));
+      most =
+          std::max(most, AddContactLoads<Real>(contactPair.parameters,
+                                               MakeMeeting<Real>(*members[vertices], *members[faces], contactPair.gap),
+                                               *contactPair.sides[side], duration, loadsOf(vertices), loadsOf(faces)));
     }
     const auto [first, second] = contactPair.members;
     if (contactPair.core != nullptr)

@@ -79,12 +79,13 @@ void SystemContacts<Real>::Build(std::span<const ContactPair<Real>> contactPairs
     for (std::size_t s = 0; s < 2; ++s) {
       const std::uint32_t ofVertices = contactPair.members[s];
       const std::uint32_t ofFaces = contactPair.members[1 - s];
-      m_sides.push_back({.ofVertices = ofVertices,
-                         .ofFaces = ofFaces,
-                         .contacts = contactPair.sides[s],
-                         .begin = m_entries.size(),
-                         .parameters = contactPair.parameters,
-                         .meeting = MakeMeeting<Real>(*members[ofVertices], {}, {}, *members[ofFaces], {}, {})});
+      m_sides.push_back(
+          {.ofVertices = ofVertices,
+           .ofFaces = ofFaces,
+           .contacts = contactPair.sides[s],
+           .begin = m_entries.size(),
+           .parameters = contactPair.parameters,
+           .meeting = MakeMeeting<Real>(*members[ofVertices], {}, {}, *members[ofFaces], {}, {}, contactPair.gap)});
       m_entries.resize(m_entries.size() + contactPair.sides[s]->size(),
                        {.side = static_cast<std::uint32_t>(m_sides.size() - 1)});
     }

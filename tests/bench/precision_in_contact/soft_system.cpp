@@ -62,6 +62,7 @@ FacePoint<double> FindPresentPoint(const Meeting<double>& meeting, const BodyCon
     const FacePoint<double> kept = FindFacePoint(skin, contact.face, p);
     if (HangsOn(contact, at, kept)) at = kept;
   }
+  FadeGap(skin, at);
   at.distance += contact.leap;
   return at;
 }
@@ -84,12 +85,11 @@ SoftSystem::SoftSystem(const World& world) : m_gravity(world.Settings().gravity)
   }
   before = x;
   for (std::size_t i = 0; i < m_bodies.size(); ++i) {
-    for (std::size_t j = 0; j < m_bodies.size(); ++j) {
+    for (std::size_t j = i + 1; j < m_bodies.size(); ++j) {
       const Coefficients<double>& one = m_bodies[i].blueprint->full;
       const Coefficients<double>& other = m_bodies[j].blueprint->full;
-      if (i == j || one.faces.empty() || other.faces.empty()) continue;
-      m_sides.push_back(
-          {.ofVertices = i, .ofFaces = j, .law = Combine<double>(one.contact, other.contact), .contacts = {}});
+      if (one.faces.empty() || other.faces.empty()) continue;
+      m_pairs.push_back({.bodies = {i, j}, .law = Combine<double>(one.contact, other.contact), .sides = {}});
     }
   }
 }
@@ -102,16 +102,17 @@ std::span<const Vector3d> SoftSystem::Velocities(const OneBody& body) const {
   return std::span(v).subspan(body.begin, body.end - body.begin);
 }
 
-Meeting<double> SoftSystem::MakeMeeting(const Side& side) const {
-  const OneBody& own = m_bodies[side.ofVertices];
-  const OneBody& other = m_bodies[side.ofFaces];
+Meeting<double> SoftSystem::MakeMeeting(const Pair& pair, std::size_t side) const {
+  const OneBody& own = m_bodies[pair.bodies[side]];
+  const OneBody& other = m_bodies[pair.bodies[1 - side]];
   return {.x = Positions(own),
           .v = Velocities(own),
           .shares = own.blueprint->full.contactShares,
           .skin = {.faces = other.blueprint->full.faces,
                    .topology = &other.blueprint->topology,
                    .x = Positions(other),
-                   .offset = own.blueprint->rodRadius},
+                   .offset = own.blueprint->rodRadius + pair.gap,
+                   .fadingGap = FindFadingGap(*own.blueprint, *other.blueprint, pair.gap)},
           .skinV = Velocities(other)};
 }
 
@@ -127,44 +128,56 @@ void SoftSystem::BeginTick(double duration) {
                           .duration = duration},
                          body.contacts, scratch);
   }
-  for (Side& side : m_sides) ListSide(duration, side);
+  for (Pair& pair : m_pairs) ListPair(duration, pair);
 }
 
-void SoftSystem::ListSide(double duration, Side& side) const {
-  const Meeting<double> meeting = MakeMeeting(side);
-  const OneBody& own = m_bodies[side.ofVertices];
-  const OneBody& other = m_bodies[side.ofFaces];
+void SoftSystem::ListPair(double duration, Pair& pair) const {
+  const double fullGap = FindFullGap(*m_bodies[pair.bodies[0]].blueprint, *m_bodies[pair.bodies[1]].blueprint);
+  const bool hasMet = !pair.sides[0].empty() || !pair.sides[1].empty();
+  if (hasMet) WidenGap(fullGap, duration, pair.gap, pair.sides);
+  if (!hasMet) pair.gap = 0;
+  for (const std::size_t side : {0U, 1U}) ListSide(duration, side, pair);
+  if (!hasMet) BeginGap(fullGap, pair.gap, pair.sides);
+}
+
+void SoftSystem::ListSide(double duration, std::size_t side, Pair& pair) const {
+  const Meeting<double> meeting = MakeMeeting(pair, side);
+  const OneBody& own = m_bodies[pair.bodies[side]];
+  const OneBody& other = m_bodies[pair.bodies[1 - side]];
+  std::vector<BodyContact<double>>& contacts = pair.sides[side];
   const Topology& ownTopology = own.blueprint->topology;
   const Topology& topology = other.blueprint->topology;
   const bool bothClosed = !topology.isOpen && !ownTopology.isOpen;
   const Skin<double> ownSkin{.faces = own.blueprint->full.faces, .topology = &ownTopology, .x = Positions(own)};
-  const double reach = kListMargin + duration * (FindTopSpeed(Velocities(own)) + FindTopSpeed(Velocities(other)));
+  const double speed = FindTopSpeed(Velocities(own)) + FindTopSpeed(Velocities(other));
+  const double reach = kListMargin + kLargestGap + duration * speed;
   const Sphere sphere = FindSphere(Positions(other));
   std::vector<BodyContact<double>> listed;
-  auto kept = side.contacts.begin();
+  auto kept = contacts.begin();
   for (const std::uint16_t vertex : ownTopology.vertices) {
-    while (kept != side.contacts.end() && kept->vertex < vertex) ++kept;
-    const bool known = kept != side.contacts.end() && kept->vertex == vertex;
+    while (kept != contacts.end() && kept->vertex < vertex) ++kept;
+    const bool known = kept != contacts.end() && kept->vertex == vertex;
     const Vector3d& p = meeting.x[vertex];
     if (!known && (p - sphere.centre).norm() > sphere.radius + meeting.skin.offset + reach) continue;
     BodyContact<double> contact = known ? *kept : BodyContact<double>{.vertex = vertex};
     if (bothClosed) contact.outward = FindOutward(ownSkin, vertex);
     FacePoint<double> at;
     if (known) {
-      at = RecallContact(side.law, meeting, p, contact);
+      at = RecallContact(pair.law, meeting, p, contact);
     } else {
       const FacePoint<double> around = FindFaceAround(meeting.skin, FindNearestVertex(topology, meeting.skin.x, p), p);
       at = FindNearestFace(meeting.skin, around, p);
       at = ChooseSide(meeting, at, p, contact.outward, contact.side);
     }
     if (at.distance > reach) continue;
-    Arm(side.law, FindRelativeVelocity(meeting, vertex, at), duration / kSubstepsToArm, meeting.skin, at, contact);
+    if (!known) FadeGap(meeting.skin, at);
+    Arm(pair.law, FindRelativeVelocity(meeting, vertex, at), duration / kSubstepsToArm, meeting.skin, at, contact);
     if (!known) contact.depth = -at.distance;
     contact.face = at.face;
     contact.foot = at.weights;
     listed.push_back(contact);
   }
-  side.contacts = std::move(listed);
+  contacts = std::move(listed);
 }
 
 void SoftSystem::EndSubstep(double h) {
@@ -172,13 +185,18 @@ void SoftSystem::EndSubstep(double h) {
     UpdateAnchors<double>(body.blueprint->full.contact, m_surfaces, body.contacts, h, Positions(body),
                           Velocities(body));
   }
-  for (Side& side : m_sides) UpdateBodyContacts<double>(side.law, MakeMeeting(side), h, side.contacts);
+  for (Pair& pair : m_pairs) {
+    for (const std::size_t side : {0U, 1U})
+      UpdateBodyContacts<double>(pair.law, MakeMeeting(pair, side), h, pair.sides[side]);
+  }
 }
 
 void SoftSystem::FindTouches(std::vector<Touch>& touches) const {
   touches.clear();
   for (const OneBody& body : m_bodies) AddPlaneTouches(body, touches);
-  for (const Side& side : m_sides) AddBodyTouches(side, touches);
+  for (const Pair& pair : m_pairs) {
+    for (const std::size_t side : {0U, 1U}) AddBodyTouches(pair, side, touches);
+  }
 }
 
 void SoftSystem::AddPlaneTouches(const OneBody& body, std::vector<Touch>& touches) const {
@@ -201,25 +219,25 @@ void SoftSystem::AddPlaneTouches(const OneBody& body, std::vector<Touch>& touche
   }
 }
 
-void SoftSystem::AddBodyTouches(const Side& side, std::vector<Touch>& touches) const {
-  const Meeting<double> meeting = MakeMeeting(side);
-  const OneBody& other = m_bodies[side.ofFaces];
-  for (const BodyContact<double>& contact : side.contacts) {
+void SoftSystem::AddBodyTouches(const Pair& pair, std::size_t side, std::vector<Touch>& touches) const {
+  const Meeting<double> meeting = MakeMeeting(pair, side);
+  const OneBody& other = m_bodies[pair.bodies[1 - side]];
+  for (const BodyContact<double>& contact : pair.sides[side]) {
     if (contact.phase == ContactPhase::kWaiting) continue;
     const FacePoint<double> at = FindPresentPoint(meeting, contact);
     if (!Pushes(contact, at)) continue;
     Touch touch;
     touch.count = 4;
-    touch.points[0] = static_cast<std::uint32_t>(m_bodies[side.ofVertices].begin + contact.vertex);
+    touch.points[0] = static_cast<std::uint32_t>(m_bodies[pair.bodies[side]].begin + contact.vertex);
     touch.weights[0] = 1;
     for (std::size_t i = 0; i < 3; ++i) {
       touch.points[i + 1] = static_cast<std::uint32_t>(other.begin + meeting.skin.faces[at.face][i]);
       touch.weights[i + 1] = -at.weights[static_cast<Eigen::Index>(i)];
     }
     touch.normal = at.normal;
-    touch.constant = -contact.leap;
-    touch.law = &side.law;
-    touch.friction = side.law.friction;
+    touch.constant = meeting.skin.offset - at.faded - contact.leap;
+    touch.law = &pair.law;
+    touch.friction = pair.law.friction;
     touch.share = meeting.shares[contact.vertex];
     touch.sticks = contact.phase == ContactPhase::kTouching;
     touch.slip = contact.slip;

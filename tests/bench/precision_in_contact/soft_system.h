@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/contact/body_contact.h"
+#include "server/physics/contact/skin_gap.h"
 #include "server/physics/world.h"
 
 namespace wobble::bench {
@@ -74,25 +74,26 @@ class SoftSystem {
   std::vector<double> inverseMasses;      // 1/kg; 0: fixed
 
  private:
-  // Vertices of one body against the faces of another.
-  struct Side {
-    std::size_t ofVertices = 0;
-    std::size_t ofFaces = 0;
+  // Two bodies; sides[i]: contacts of vertices of bodies[i] with faces of the other.
+  struct Pair {
+    std::array<std::size_t, 2> bodies{};
     physics::ContactParameters<double> law;
-    std::vector<physics::BodyContact<double>> contacts;
+    double gap = 0;  // m
+    physics::PairSides<double> sides;
   };
 
   [[nodiscard]] std::span<const physics::Vector3d> Positions(const OneBody& body) const;
   [[nodiscard]] std::span<const physics::Vector3d> Velocities(const OneBody& body) const;
-  [[nodiscard]] physics::Meeting<double> MakeMeeting(const Side& side) const;
-  void ListSide(double duration, Side& side) const;
+  [[nodiscard]] physics::Meeting<double> MakeMeeting(const Pair& pair, std::size_t side) const;
+  void ListPair(double duration, Pair& pair) const;
+  void ListSide(double duration, std::size_t side, Pair& pair) const;
   void AddPlaneTouches(const OneBody& body, std::vector<Touch>& touches) const;
-  void AddBodyTouches(const Side& side, std::vector<Touch>& touches) const;
+  void AddBodyTouches(const Pair& pair, std::size_t side, std::vector<Touch>& touches) const;
 
   physics::Vector3d m_gravity;
   std::vector<physics::Surface<double>> m_surfaces;
   std::vector<OneBody> m_bodies;
-  std::vector<Side> m_sides;
+  std::vector<Pair> m_pairs;
 };
 
 }  // namespace wobble::bench

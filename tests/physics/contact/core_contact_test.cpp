@@ -100,14 +100,18 @@ TEST(CoreContact, NothingGoesThroughHeadOn) {
 }
 
 // A ball and a cube that meet head on, off the middle by a little.
-std::unique_ptr<World> MakeHeadOn(double tick, Precision precision) {
+std::unique_ptr<World> MakeHeadOn(double tick, Precision precision, double friction = 0.8) {
   WorldSettings settings;
   settings.gravity = Vector3d::Zero();
   settings.precision = precision;
   settings.tickDuration = tick;
   auto world = std::make_unique<World>(settings);
-  world->AddBlueprint(MakeBall(BallDefinition{}));
-  world->AddBlueprint(MakeLattice(MakeJellyCube()));
+  BallDefinition ball;
+  ball.material.friction = friction;
+  LatticeDefinition cube = MakeJellyCube();
+  cube.friction = friction;
+  world->AddBlueprint(MakeBall(ball));
+  world->AddBlueprint(MakeLattice(cube));
   world->AddBody(0, Vector3d(-0.8, 0.03, 0.02), Vector3d(30, 0, 0));
   world->AddBody(1, Vector3d(0.8, -0.03, 0), Vector3d(-30, 0.2, 0.1));
   return world;
@@ -117,8 +121,9 @@ double FindDistance(const World& world) {
   return (world.FindCentre(world.Bodies()[1]) - world.FindCentre(world.Bodies()[0])).norm();
 }
 
+// Without friction, which gives up a part of its torque on faces that are squashed thin (contact/body_contact.cpp).
 TEST(CoreContact, KeepsMomentumAndAngularMomentum) {
-  const auto world = MakeHeadOn(kPlayTick / 64, Precision::kDouble);
+  const auto world = MakeHeadOn(kPlayTick / 64, Precision::kDouble, 0);
   const auto addUp = [&world] {
     Vector3d momentum = Vector3d::Zero();
     Vector3d angular = Vector3d::Zero();
@@ -142,7 +147,7 @@ TEST(CoreContact, KeepsMomentumAndAngularMomentum) {
   const auto [momentumAfter, angularAfter] = addUp();
   const double scale = 8 * 30;
   EXPECT_LT((momentumAfter - momentum).norm(), 1e-11 * scale);
-  EXPECT_LT((angularAfter - angular).norm(), 1e-4 * scale);  // the friction of faces, as without cores
+  EXPECT_LT((angularAfter - angular).norm(), 1e-9 * scale);
 }
 
 // What a stored world has of a core: without it the copy would go on without the spring.

@@ -94,7 +94,7 @@ struct Pile {
       near.high.array() += Real(0.1);
       near.speed += vertices.survey.bounds.speed;
       FindBodyContacts<Real>(
-          parameters, MakeMeeting<Real>(vertices, faces),
+          parameters, MakeMeeting<Real>(vertices, faces, 0),
           {vertices.blueprint->template Read<Real>().faces, &vertices.blueprint->topology, vertices.state->positions},
           {.vertices = &own,
            .skin = &skin,
@@ -104,7 +104,7 @@ struct Pile {
            .duration = static_cast<Real>(kTick)},
           lists[pair][side], scratch);
     }
-    contactPairs.push_back({both, parameters, {&lists[pair][0], &lists[pair][1]}});
+    contactPairs.push_back({.members = both, .parameters = parameters, .sides = {&lists[pair][0], &lists[pair][1]}});
   }
 
   std::vector<Motion<Real>> Motions() const {
@@ -163,7 +163,8 @@ struct Pile {
         const std::uint32_t vertices = contactPair.members[side];
         const std::uint32_t faces = contactPair.members[1 - side];
         std::vector<ContactForce<Real>> forces(contactPair.sides[side]->size());
-        ComputeBodyContacts<Real>(contactPair.parameters, MakeMeeting<Real>(members[vertices], members[faces]),
+        ComputeBodyContacts<Real>(contactPair.parameters,
+                                  MakeMeeting<Real>(members[vertices], members[faces], contactPair.gap),
                                   *contactPair.sides[side], forces);
         AddToVertices<Real>(forces, [&](std::uint16_t i, const Vector3<Real>& force) { sums[vertices][i] += force; });
         AddToCorners<Real>(forces, [&](std::uint16_t i, const Vector3<Real>& force) { sums[faces][i] += force; });
@@ -175,10 +176,10 @@ struct Pile {
   void UpdatePlainly(Real h) {
     for (const ContactPair<Real>& contactPair : contactPairs) {
       for (std::size_t side = 0; side < 2; ++side) {
-        UpdateBodyContacts<Real>(
-            contactPair.parameters,
-            MakeMeeting<Real>(members[contactPair.members[side]], members[contactPair.members[1 - side]]), h,
-            *contactPair.sides[side]);
+        UpdateBodyContacts<Real>(contactPair.parameters,
+                                 MakeMeeting<Real>(members[contactPair.members[side]],
+                                                   members[contactPair.members[1 - side]], contactPair.gap),
+                                 h, *contactPair.sides[side]);
       }
     }
   }
