@@ -9,7 +9,7 @@ import { after, before, describe } from 'node:test';
 import { makeProject, pageModules, version } from './support/outside_project.mjs';
 import { makePage, Program, removePage, startGateway, startServer, test } from './support/programs.mjs';
 
-const seconds = Number(process.argv[2] ?? 2.5);
+const seconds = Number(process.argv[2] ?? 4);
 const root = new URL('../../', import.meta.url).pathname;
 const mostWebAssembly = 150_000; // bytes
 const [major] = process.versions.node.split('.').map(Number);
