@@ -42,12 +42,13 @@ inline constexpr double kGapSpeed = 0.02;
 template <class Real>
 using PairSides = std::array<std::vector<BodyContact<Real>>, 2>;
 
-// Adds to the gap of a pair and to the depths that its contacts remember: the widening is no motion of theirs.
+// Sets the gap of a pair and adds the change to the depths that its contacts remember: it is no motion of theirs.
 template <class Real>
-void WidenBy(double more, double& gap, PairSides<Real>& sides) {
-  gap += more;
+void SetGap(double to, double& gap, PairSides<Real>& sides) {
+  const auto more = static_cast<Real>(to - gap);
+  gap = to;
   for (std::vector<BodyContact<Real>>& contacts : sides) {
-    for (BodyContact<Real>& contact : contacts) contact.depth += static_cast<Real>(more);
+    for (BodyContact<Real>& contact : contacts) contact.depth += more;
   }
 }
 
@@ -59,13 +60,13 @@ void BeginGap(double full, double& gap, PairSides<Real>& sides) {
     for (const BodyContact<Real>& contact : contacts)
       nearest = std::min(nearest, -double{contact.depth + contact.leap});
   }
-  WidenBy(std::max(nearest, 0.0), gap, sides);
+  SetGap(std::max(nearest, 0.0), gap, sides);
 }
 
-// Call before the contacts of a pair are searched for in a tick of `duration` s.
+// Call before the contacts of a pair are searched for in a tick of `duration` s. A gap never narrows.
 template <class Real>
 void WidenGap(double full, double duration, double& gap, PairSides<Real>& sides) {
-  WidenBy(std::clamp(full - gap, 0.0, kGapSpeed * duration), gap, sides);
+  SetGap(std::max(gap, std::min(full, gap + kGapSpeed * duration)), gap, sides);
 }
 
 }  // namespace wobble::physics

@@ -95,6 +95,18 @@ TEST(SkinGap, WidensSlowlyBetweenBodiesThatArePutDownFlush) {
   EXPECT_GT(FindLowest(world, upper), FindHighest(world, lower));
 }
 
+// A stored world is refused when a gap is more than the largest, be it by a rounding.
+TEST(SkinGap, EndsExactlyAtTheFullOne) {
+  PairSides<float> sides;
+  for (int i = 0; i < 1000; ++i) {
+    double gap = kLargestGap * i / 1000;
+    while (gap < kLargestGap) WidenGap(kLargestGap, 1.0 / 60, gap, sides);
+    ASSERT_EQ(gap, kLargestGap) << i;
+    WidenGap(0.5 * kLargestGap, 1.0 / 60, gap, sides);
+    ASSERT_EQ(gap, kLargestGap) << "of a body that has become smaller";
+  }
+}
+
 TEST(SkinGap, IsStored) {
   const auto fill = [](World& world) {
     world.AddBlueprint(MakeLattice(MakeCube(0.6, 3, 60000)));
