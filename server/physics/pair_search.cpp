@@ -248,11 +248,9 @@ void PairSearch<Real>::Meet(BodyPair<Real>& pair) {
   // In their common plane the faces of planar bodies look past one another.
   const bool byFaces = !(first.full.planar && second.full.planar);
   const double fullGap = FindFullGap(first, second);
-  const bool hasMet = HasContacts(pair);
-  if (hasMet) WidenGap(fullGap, m_duration, pair.gap, pair.sides);
-  if (!hasMet) pair.gap = 0;
-  for (std::size_t side = 0; byFaces && side < 2; ++side) MeetFaces(side, fullGap, pair);
-  if (!hasMet) BeginGap(fullGap, pair.gap, pair.sides);
+  if (byFaces) {
+    FindWithGap(fullGap, m_duration, pair.gap, pair.sides, [&](std::size_t side) { MeetFaces(side, fullGap, pair); });
+  }
   if (MeetByEdges(first, second)) MeetEdges(pair);
   if (first.coreRadius > 0 && second.coreRadius > 0) MeetCores(pair);
 }

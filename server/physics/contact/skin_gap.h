@@ -52,21 +52,24 @@ void SetGap(double to, double& gap, PairSides<Real>& sides) {
   }
 }
 
-// Call for a pair whose contacts have just been found, with gap 0, for the first time.
-template <class Real>
-void BeginGap(double full, double& gap, PairSides<Real>& sides) {
+// Finds the contacts of a pair in a tick of `duration` s, by find(side) for each of its sides. A gap never narrows
+// while the pair has contacts; that of a pair without begins with what is found.
+template <class Real, class Find>
+void FindWithGap(double full, double duration, double& gap, PairSides<Real>& sides, const Find& find) {
+  const bool hasMet = !sides[0].empty() || !sides[1].empty();
+  if (hasMet) {
+    SetGap(std::max(gap, std::min(full, gap + kGapSpeed * duration)), gap, sides);
+  } else {
+    gap = 0;
+  }
+  for (const std::size_t side : {0U, 1U}) find(side);
+  if (hasMet) return;
   double nearest = full;
   for (const std::vector<BodyContact<Real>>& contacts : sides) {
     for (const BodyContact<Real>& contact : contacts)
       nearest = std::min(nearest, -double{contact.depth + contact.leap});
   }
   SetGap(std::max(nearest, 0.0), gap, sides);
-}
-
-// Call before the contacts of a pair are searched for in a tick of `duration` s. A gap never narrows.
-template <class Real>
-void WidenGap(double full, double duration, double& gap, PairSides<Real>& sides) {
-  SetGap(std::max(gap, std::min(full, gap + kGapSpeed * duration)), gap, sides);
 }
 
 }  // namespace wobble::physics

@@ -133,11 +133,7 @@ void SoftSystem::BeginTick(double duration) {
 
 void SoftSystem::ListPair(double duration, Pair& pair) const {
   const double fullGap = FindFullGap(*m_bodies[pair.bodies[0]].blueprint, *m_bodies[pair.bodies[1]].blueprint);
-  const bool hasMet = !pair.sides[0].empty() || !pair.sides[1].empty();
-  if (hasMet) WidenGap(fullGap, duration, pair.gap, pair.sides);
-  if (!hasMet) pair.gap = 0;
-  for (const std::size_t side : {0U, 1U}) ListSide(duration, side, pair);
-  if (!hasMet) BeginGap(fullGap, pair.gap, pair.sides);
+  FindWithGap(fullGap, duration, pair.gap, pair.sides, [&](std::size_t side) { ListSide(duration, side, pair); });
 }
 
 void SoftSystem::ListSide(double duration, std::size_t side, Pair& pair) const {
