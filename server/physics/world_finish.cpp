@@ -1,5 +1,4 @@
-// Bodies are finished island by island, each by the thread that stepped it. An island falls asleep as a whole or not at
-// all: one body alone would be a wall to those that rest on it.
+// Bodies are finished island by island, each by the thread that stepped it.
 #include "server/physics/world_finish.h"
 
 #include <algorithm>
@@ -109,17 +108,8 @@ void FinishIsland(const Surroundings& surroundings, std::span<const BlueprintSlo
 template <class Real>
 void LetFallAsleep(double tickDuration, std::span<Body> bodies, Roster& roster, PairSearch<Real>& search,
                    Workspace<Real>& work) {
-  const int patience = static_cast<int>(kQuietTime / tickDuration);
-  const Islands& islands = work.islands.islands;
-  work.falling.clear();
-  for (std::uint32_t island = 0; island < islands.Count(); ++island) {
-    const std::span<const std::uint32_t> places = islands.MembersOf(island);
-    const auto isQuiet = [&](std::uint32_t place) { return bodies[place].quietTicks >= patience; };
-    if (!std::all_of(places.begin(), places.end(), isQuiet)) continue;
-    work.falling.insert(work.falling.end(), places.begin(), places.end());
-  }
+  FindQuietIslands(tickDuration, work.islands.islands, bodies, work.falling);
   if (work.falling.empty()) return;
-  std::sort(work.falling.begin(), work.falling.end());
   for (const std::uint32_t place : work.falling) {
     Member<Real>& member = work.members[place];
     State<Real>& state = *member.state;

@@ -16,7 +16,7 @@ template <class Real>
 void FinishIsland(const Surroundings& surroundings, std::span<const BlueprintSlot> slots, double allowedError,
                   std::uint32_t island, const IslandOutcome& steps, std::span<Body> bodies, Workspace<Real>& work);
 
-// Puts islands asleep whose bodies have all been quiet for kQuietTime, with the pairs among them.
+// Puts the quiet islands (step/sleep.h) asleep, with the pairs among them.
 template <class Real>
 void LetFallAsleep(double tickDuration, std::span<Body> bodies, Roster& roster, PairSearch<Real>& search,
                    Workspace<Real>& work);

@@ -2,6 +2,7 @@
 // where it cannot move, so that no request is lost in sleep.
 #include "server/physics/step/sleep.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace wobble::physics {
@@ -21,6 +22,20 @@ template <class Real>
 void NoteMotion(const Member<Real>& member, double restingStiffness, Body& body) {
   const bool quiet = member.speed < kQuietSpeed && IsLeftAlone(body, restingStiffness);
   body.quietTicks = quiet ? body.quietTicks + 1 : 0;
+}
+
+void FindQuietIslands(double tickDuration, const Islands& islands, std::span<const Body> bodies,
+                      std::vector<std::uint32_t>& places) {
+  const int patience = static_cast<int>(kQuietTime / tickDuration);
+  const auto isQuiet = [&](std::uint32_t place) { return bodies[place].quietTicks >= patience; };
+  places.clear();
+  for (std::uint32_t island = 0; island < islands.Count(); ++island) {
+    const std::span<const std::uint32_t> members = islands.MembersOf(island);
+    if (std::all_of(members.begin(), members.end(), isQuiet)) {
+      places.insert(places.end(), members.begin(), members.end());
+    }
+  }
+  std::sort(places.begin(), places.end());
 }
 
 template <class Real>

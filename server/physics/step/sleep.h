@@ -4,6 +4,11 @@
 // They wake together as well, when something touches any of them.
 #pragma once
 
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "server/physics/contact/broad_phase.h"
 #include "server/physics/step/body.h"
 #include "server/physics/step/member.h"
 
@@ -29,6 +34,10 @@ inline void WakeUp(Body& body) {
 // Counts this tick as quiet or begins to count anew, from the member's speed. Call once a tick.
 template <class Real>
 void NoteMotion(const Member<Real>& member, double restingStiffness, Body& body);
+
+// Lists, ascending, the places in `bodies` of the islands in which every body has been quiet for kQuietTime.
+void FindQuietIslands(double tickDuration, const Islands& islands, std::span<const Body> bodies,
+                      std::vector<std::uint32_t>& places);
 
 // Marks the body as asleep and stops every vertex, so that the rest of its motion does not return when it wakes. state:
 // the body's own.
