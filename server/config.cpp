@@ -34,7 +34,7 @@ void CheckMatch(std::vector<std::string>& errors, const Config& config, std::spa
 }
 
 void CheckScene(std::vector<std::string>& errors, const Config& config, const scenes::Scene& scene) {
-  for (const scenes::BodyDefinition& blueprint : scene.blueprints) {
+  for (const scenes::BlueprintDefinition& blueprint : scene.blueprints) {
     const std::size_t vertices = scenes::CountVertices(blueprint);
     if (vertices > protocol::kMaxBodyVertices) {
       errors.push_back("scene " + scene.name + ": blueprint " + scenes::NameOf(blueprint) + " has " +

@@ -225,7 +225,7 @@ void ReadIntegrator(TableReader& reader, physics::Integrator& integrator) {
 // Refuses a shell whose gas cannot carry its weight. Only the gas holds a shell open: its force over the area is P A =
 // (nRT/V) A, at most about nRT/R. With nRT < m g R the shell lies flat however stiff its springs are, and a flat shell
 // soon turns inside out.
-void CheckCarriesItself(TableReader& reader, const BodyDefinition& definition, const physics::Vector3d& gravity) {
+void CheckCarriesItself(TableReader& reader, const BlueprintDefinition& definition, const physics::Vector3d& gravity) {
   const auto check = [&](const physics::Material& material, double radius) {
     const double least = material.mass * gravity.norm() * radius;
     if (!(material.gas > 0) || material.gas >= least) return;
@@ -240,16 +240,16 @@ void CheckCarriesItself(TableReader& reader, const BodyDefinition& definition, c
 
 void ReadBlueprint(TableReader& reader, const MeshReader& readMesh, physics::Integrator defaultIntegrator,
                    Scene& scene) {
-  const std::map<std::string, BodyDefinition> kinds{
+  const std::map<std::string, BlueprintDefinition> kinds{
       {"ball", physics::BallDefinition{}},   {"cloth", physics::ClothDefinition{}},
       {"graph", physics::GraphDefinition{}}, {"lattice", physics::LatticeDefinition{}},
       {"mesh", physics::MeshDefinition{}},   {"pair", physics::PairDefinition{}},
       {"ring", physics::RingDefinition{}},   {"solid", physics::SolidDefinition{}}};
-  BodyDefinition definition = kinds.at("ball");
+  BlueprintDefinition definition = kinds.at("ball");
   const bool kindIsKnown = !reader.Has("kind") || reader.Read("kind", kinds, definition);
   reader.Require("name");
   std::visit([&](auto& one) { reader.Read("name", 64, one.name); }, definition);
-  const auto taken = [&](const BodyDefinition& other) { return NameOf(other) == NameOf(definition); };
+  const auto taken = [&](const BlueprintDefinition& other) { return NameOf(other) == NameOf(definition); };
   if (std::any_of(scene.blueprints.begin(), scene.blueprints.end(), taken)) {
     reader.Refuse("name", NameOf(definition), "a name that no other blueprint has");
   }

@@ -144,7 +144,7 @@ Vector3d FindFreeSpawn(const PlayerRules& player, std::uint32_t index, const phy
   return FindSpawn(player, index);
 }
 
-std::vector<std::uint16_t> FindSide(const BodyDefinition& definition, const std::vector<Vector3d>& rest,
+std::vector<std::uint16_t> FindSide(const BlueprintDefinition& definition, const std::vector<Vector3d>& rest,
                                     physics::Side side) {
   using physics::Side;
   constexpr double kShareOfFlat = 0.02;

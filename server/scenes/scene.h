@@ -9,7 +9,7 @@
 
 #include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/world.h"
-#include "server/scenes/body_definition.h"
+#include "server/scenes/blueprint_definition.h"
 #include "server/scenes/play_rules.h"
 
 namespace wobble::scenes {
@@ -58,7 +58,7 @@ struct Scene {
   int maxSubsteps = physics::WorldSettings{}.maxSubsteps;
   double killHeight = -20;  // a body below this height respawns, m
   std::vector<physics::Obstacle> obstacles;
-  std::vector<BodyDefinition> blueprints;
+  std::vector<BlueprintDefinition> blueprints;
   std::vector<Methods> methods;  // by blueprint; blueprints beyond the end have the default
   std::vector<BodyGroup> groups;
   std::vector<DriveRule> drives;
@@ -96,7 +96,7 @@ void RefillWorld(const Scene& scene, std::uint64_t seed, std::span<const PlacedB
 
 // The vertices of a rest shape on one side, ascending: those within 2 % of its extent, which is all of a flat end and
 // nothing beside it. For round bodies (balls, rings, meshes) it is a cap of 10 %. kNone: all vertices.
-[[nodiscard]] std::vector<std::uint16_t> FindSide(const BodyDefinition& definition,
+[[nodiscard]] std::vector<std::uint16_t> FindSide(const BlueprintDefinition& definition,
                                                   const std::vector<physics::Vector3d>& rest, physics::Side side);
 
 // Bodies of the scene, without players'.

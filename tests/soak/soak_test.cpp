@@ -225,7 +225,7 @@ double FindShare(std::vector<double> values, double share) {
 scenes::Scene LoadArena() {
   scenes::Scene scene = LoadShippedScene("arena");
 #ifdef WOBBLE_SANITIZED
-  for (scenes::BodyDefinition& blueprint : scene.blueprints)
+  for (scenes::BlueprintDefinition& blueprint : scene.blueprints)
     std::get<physics::BallDefinition>(blueprint).subdivisions = 1;
 #endif
   return scene;

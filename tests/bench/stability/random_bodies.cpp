@@ -57,7 +57,7 @@ std::string DescribeShape(const char* kind, std::size_t vertices, const Material
 }
 
 struct Draft {
-  scenes::BodyDefinition definition;
+  scenes::BlueprintDefinition definition;
   std::string description;
   double bearableSpeed = kAnySpeed;
 };

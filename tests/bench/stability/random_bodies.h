@@ -3,13 +3,13 @@
 
 #include <string>
 
-#include "server/scenes/body_definition.h"
+#include "server/scenes/blueprint_definition.h"
 #include "tests/bench/random.h"
 
 namespace wobble::bench {
 
 struct RandomBody {
-  scenes::BodyDefinition definition;
+  scenes::BlueprintDefinition definition;
   physics::Blueprint blueprint;  // of the definition
   std::string description;       // shape and material, for people
   // Highest impact speed that leaves every lattice cell uninverted, m/s; for other bodies above any speed in the

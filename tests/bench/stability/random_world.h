@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "server/physics/world.h"
-#include "server/scenes/body_definition.h"
+#include "server/scenes/blueprint_definition.h"
 #include "tests/bench/random.h"
 
 namespace wobble::bench {
@@ -41,7 +41,7 @@ class RandomWorld {
   [[nodiscard]] const std::string& Describe(std::uint8_t blueprint) const { return m_descriptions[blueprint]; }
   [[nodiscard]] const std::string& Place() const { return m_place; }
   // What the blueprints were made from, and the terrain's heights; empty where there is none.
-  [[nodiscard]] const std::vector<scenes::BodyDefinition>& Definitions() const { return m_definitions; }
+  [[nodiscard]] const std::vector<scenes::BlueprintDefinition>& Definitions() const { return m_definitions; }
   [[nodiscard]] const Terrain& ReadTerrain() const { return m_terrain; }
   [[nodiscard]] int Refused() const { return m_refused; }         // materials that Validate refused
   [[nodiscard]] int Crushed() const { return m_crushed; }         // materials whose gas could not carry the load
@@ -71,7 +71,7 @@ class RandomWorld {
   Random m_random;
   Violence m_violence;
   std::unique_ptr<physics::World> m_world;
-  std::vector<scenes::BodyDefinition> m_definitions;
+  std::vector<scenes::BlueprintDefinition> m_definitions;
   std::vector<std::string> m_descriptions;
   Terrain m_terrain;
   std::string m_place;

@@ -199,7 +199,7 @@ void AddMeshFile(Lines& lines, const Definition& definition, const std::string& 
   }
 }
 
-void AddBlueprint(Lines& lines, const scenes::BodyDefinition& definition, const std::string& name,
+void AddBlueprint(Lines& lines, const scenes::BlueprintDefinition& definition, const std::string& name,
                   scenes::SceneSource& source) {
   lines.Begin("[[blueprint]]");
   lines.AddWord("name", name);
@@ -262,7 +262,7 @@ scenes::SceneSource WriteScene(const RandomWorld& world, const std::string& name
   lines.AddWhole("kill_height", -4000);  // nothing comes back
   for (const Obstacle& obstacle : world.Engine().Obstacles()) AddObstacle(lines, obstacle, world.ReadTerrain());
   int number = 0;
-  for (const scenes::BodyDefinition& definition : world.Definitions()) {
+  for (const scenes::BlueprintDefinition& definition : world.Definitions()) {
     AddBlueprint(lines, definition, "body" + std::to_string(++number), source);
   }
   lines.Begin("[player]");

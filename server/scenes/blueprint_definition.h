@@ -1,5 +1,5 @@
-// The definition of a body of any kind. A new kind is one more alternative, and one more overload per function in
-// body_definition.cpp.
+// The definition of a blueprint, which is a body of any kind. A new kind is one more alternative, and one more overload
+// per function in blueprint_definition.cpp.
 #pragma once
 
 #include <string>
@@ -17,18 +17,18 @@
 
 namespace wobble::scenes {
 
-using BodyDefinition =
+using BlueprintDefinition =
     std::variant<physics::BallDefinition, physics::LatticeDefinition, physics::PairDefinition, physics::RingDefinition,
                  physics::ClothDefinition, physics::GraphDefinition, physics::MeshDefinition, physics::SolidDefinition>;
 
-[[nodiscard]] const std::string& NameOf(const BodyDefinition& definition);
+[[nodiscard]] const std::string& NameOf(const BlueprintDefinition& definition);
 // The vertices of a body made from the definition.
-[[nodiscard]] std::size_t CountVertices(const BodyDefinition& definition);
+[[nodiscard]] std::size_t CountVertices(const BlueprintDefinition& definition);
 
 // Lists all fields of the definition that are out of range; empty when the body can be built.
-[[nodiscard]] std::vector<physics::FieldError> Validate(const BodyDefinition& definition);
+[[nodiscard]] std::vector<physics::FieldError> Validate(const BlueprintDefinition& definition);
 
 // Builds the blueprint of a valid definition.
-[[nodiscard]] physics::Blueprint MakeBlueprint(const BodyDefinition& definition);
+[[nodiscard]] physics::Blueprint MakeBlueprint(const BlueprintDefinition& definition);
 
 }  // namespace wobble::scenes

@@ -1,5 +1,5 @@
 // Each function dispatches to an overload per kind, so that the compiler reports an overload that is missing.
-#include "server/scenes/body_definition.h"
+#include "server/scenes/blueprint_definition.h"
 
 namespace wobble::scenes {
 namespace {
@@ -46,19 +46,19 @@ physics::Blueprint MakeOne(const SolidDefinition& solid) { return physics::MakeS
 
 }  // namespace
 
-const std::string& NameOf(const BodyDefinition& definition) {
+const std::string& NameOf(const BlueprintDefinition& definition) {
   return std::visit([](const auto& one) -> const std::string& { return one.name; }, definition);
 }
 
-std::size_t CountVertices(const BodyDefinition& definition) {
+std::size_t CountVertices(const BlueprintDefinition& definition) {
   return std::visit([](const auto& one) { return CountVerticesOf(one); }, definition);
 }
 
-std::vector<physics::FieldError> Validate(const BodyDefinition& definition) {
+std::vector<physics::FieldError> Validate(const BlueprintDefinition& definition) {
   return std::visit([](const auto& one) { return ValidateOne(one); }, definition);
 }
 
-physics::Blueprint MakeBlueprint(const BodyDefinition& definition) {
+physics::Blueprint MakeBlueprint(const BlueprintDefinition& definition) {
   return std::visit([](const auto& one) { return MakeOne(one); }, definition);
 }
 
