@@ -123,7 +123,7 @@ WOBBLE_INLINE V BoundSquare(const V (&c)[3][3]) {
 
 // Of as many elements as V has lanes, from `begin` on. positions: x y z of each vertex.
 template <class Real, class V>
-WOBBLE_INLINE void AddStrains(const SweepTables<Real>& tables, std::uint32_t begin, const Real* positions, V& largest,
+WOBBLE_INLINE void AddStrains(const SweepTables<Real>& tables, std::uint32_t begin, const Real* positions, V& longest,
                               V& stiffest) {
   const ElementColumns<Real>& columns = tables.elementColumns;
   const ColumnConstants<V, Real> constants{columns.numbers + begin, columns.padded};
@@ -148,7 +148,9 @@ WOBBLE_INLINE void AddStrains(const SweepTables<Real>& tables, std::uint32_t beg
   const V beyond = FindDot(f[0], cofactors[0]) - Spread<V>(tables.restRatio);
   const V ofVolume = Max(beyond, -beyond) * Sqrt(square / Spread<V>(Real(3)));
   const V bound = Fma(Spread<V>(Real(2)), ofVolume, BoundSquare<Real>(cofactors));
-  largest = Max(square, largest);
+  const V ofStretch = BoundSquare<Real>(f);
+  const V spread = Spread<V>(Real(2)) * (ofStretch * ofStretch - square * square);
+  longest = Max((square + Sqrt(Max(spread, Spread<V>(Real(0))))) / Spread<V>(Real(3)), longest);
   stiffest = Max(Fma(Spread<V>(tables.elements->bulk / tables.elements->shear), bound, Spread<V>(Real(1))), stiffest);
 }
 
@@ -156,14 +158,14 @@ template <class Real>
 ElementStrain<Real> FindStrain(const SweepTables<Real>& tables, const Real* positions) {
   using V = typename RowsOf<Real>::Lanes;
   constexpr std::uint32_t kWidth = sizeof(V) / sizeof(Real);
-  V largest = Spread<V>(Real(0));
-  V stiffest = largest;
+  V longest = Spread<V>(Real(0));
+  V stiffest = longest;
   for (std::uint32_t begin = 0; begin < tables.elementColumns.count; begin += kWidth) {
-    AddStrains(tables, begin, positions, largest, stiffest);
+    AddStrains(tables, begin, positions, longest, stiffest);
   }
   ElementStrain<Real> strain;
   for (std::uint32_t lane = 0; lane < kWidth; ++lane) {
-    strain.square = Max(Real(largest[lane]), strain.square);
+    strain.squareStretch = Max(Real(longest[lane]), strain.squareStretch);
     strain.stiffness = Max(Real(stiffest[lane]), strain.stiffness);
   }
   return strain;

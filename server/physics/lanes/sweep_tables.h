@@ -55,10 +55,11 @@ struct ElementColumns {
 };
 inline constexpr std::uint32_t kElementNumbers = 12;
 
-// The largest over all elements of a body: |F|², and the bound of the stiffness, over μ (methods/elasticity.h).
+// The largest over all elements of a body of the bounds of the square of a stretch and of the stiffness, over μ
+// (methods/elasticity.cpp).
 template <class Real>
 struct ElementStrain {
-  Real square = 0;
+  Real squareStretch = 0;
   Real stiffness = 0;
 };
 

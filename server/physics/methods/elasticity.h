@@ -48,13 +48,17 @@ void AddTetrahedra(std::span<const Tetrahedron<Real>> tetrahedra, const SolidMat
 // The energy stored in all elements, J; 0 at rest and never below.
 [[nodiscard]] double ComputeSolidEnergy(const Coefficients<double>& body, std::span<const Vector3d> x);
 
-// How much stiffer the stiffest element is at x than at rest, at least 1: the ratio of bounds of ∂²Ψ/∂F²,
-// μ + √3 λ |Cᵀ C| + 2 λ |J − α| √(I/3), with some slack, or of the viscous term's growth. Squares of frequencies and
-// damping rates grow by no more. 1 for a body without tetrahedra.
+// How much the square of the highest frequency and the highest damping rate of a body's elements grow by strain, both
+// at least 1: the ratio of bounds of ∂²Ψ/∂F², μ + √3 λ |Cᵀ C| + 2 λ |J − α| √(I/3), at x and at rest, and the square of
+// the largest stretch, with some slack. 1 for a body without tetrahedra.
+struct Stiffening {
+  double squareFrequency = 1;
+  double dampingRate = 1;
+};
 template <class Real>
-[[nodiscard]] double FindStiffening(const Coefficients<Real>& body, std::span<const Vector3<Real>> x);
+[[nodiscard]] Stiffening FindStiffening(const Coefficients<Real>& body, std::span<const Vector3<Real>> x);
 // The same in lanes, an element each.
 template <class Real>
-[[nodiscard]] double FindStiffening(const Blueprint& blueprint, std::span<const Vector3<Real>> x);
+[[nodiscard]] Stiffening FindStiffening(const Blueprint& blueprint, std::span<const Vector3<Real>> x);
 
 }  // namespace wobble::physics

@@ -249,11 +249,13 @@ SurfaceDemands FindSurfaceDemands(const Blueprint& blueprint, std::span<const Su
 template <class Real>
 Modes FindModes(const Blueprint& blueprint, const Load<Real>& load, const State<Real>& state,
                 const ContactRates& fromSurfaces, const ContactRates& fromBodies) {
-  const double factor = std::max({1.0, double{load.stiffnessFactor}, double{load.gasFactor}}) *
-                        FindStiffening<Real>(blueprint, state.positions);
+  const double factor = std::max({1.0, double{load.stiffnessFactor}, double{load.gasFactor}});
+  const Stiffening stiffening = FindStiffening<Real>(blueprint, state.positions);
   Modes modes;
-  modes.body.squareFrequency = blueprint.angularFrequency * blueprint.angularFrequency * factor;
-  modes.body.dampingRate = blueprint.dampingRate * factor + FindDragDamping(blueprint, load, state);
+  modes.body.squareFrequency =
+      blueprint.angularFrequency * blueprint.angularFrequency * factor * stiffening.squareFrequency;
+  modes.body.dampingRate =
+      blueprint.dampingRate * factor * stiffening.dampingRate + FindDragDamping(blueprint, load, state);
   if (load.foldFactor > Real(0)) {
     const Cells<double>& cells = blueprint.full.cells;
     modes.body.squareFrequency += double{load.foldFactor} * cells.squareFrequency;
