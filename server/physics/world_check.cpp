@@ -129,7 +129,7 @@ template <class Real>
 std::string CheckSide(const Blueprint& vertices, const Blueprint& faces, const std::vector<BodyContact<Real>>& side) {
   const auto isKnown = [&](const BodyContact<Real>& contact) {
     return contact.vertex < vertices.rest.size() && contact.face < faces.full.faces.size() &&
-           contact.phase <= ContactPhase::kTouching && contact.side <= SkinSide::kBack;
+           contact.phase <= ContactPhase::kAside && contact.side <= SkinSide::kBack;
   };
   const auto isInOrder = [](const auto& a, const auto& b) { return a.vertex >= b.vertex; };
   return FindFirst(Unless(std::ranges::all_of(side, isKnown), "pair.sides", side.size(), "of vertices and faces"),

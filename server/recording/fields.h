@@ -15,7 +15,7 @@
 namespace wobble::recording {
 
 template <>
-inline constexpr auto kLast<physics::ContactPhase> = physics::ContactPhase::kTouching;
+inline constexpr auto kLast<physics::ContactPhase> = physics::ContactPhase::kAside;
 template <>
 inline constexpr auto kLast<physics::SkinSide> = physics::SkinSide::kBack;
 template <>

@@ -44,13 +44,17 @@ namespace wobble::physics {
 //   kArmed             end: pushes (2)                                        kTouching; the stick spring begins
 //   kTouching          end: does not push                                     kArmed; the stick spring ends
 //   kArmed, kTouching  begin, end: deeper than maxDepth; never at open skins  kWaiting; leap and stick spring end
+//   kArmed, kTouching  begin, end: leapt behind an open skin (3)              kAside; the stick spring ends
+//   kAside             begin, end: not leapt behind                           kArmed; the depth becomes leap
 //   any                begin: out of reach, and not behind an open skin       (none)
 //
-// (1) The depth beyond FindFreeDepth becomes leap. (2) A contact may be armed and touch at the end of one substep.
+// (1) The depth beyond FindFreeDepth becomes leap. (2) A contact may be armed and touch at the end of one substep. (3)
+// HasLeaptBehind of body_contact_update.cpp.
 enum class ContactPhase : std::uint8_t {
   kWaiting,   // no force: the vertex has not come from outside
   kArmed,     // a force as soon as it pushes, without a stick spring
   kTouching,  // it pushed at the end of the last substep: foot and slip describe the stick spring
+  kAside,     // no force: the face is of a layer that the vertex is behind without having passed it
 };
 
 // The side of a skin that a contact's vertex came from. A closed skin has only a front. At an open skin a new contact

@@ -84,9 +84,9 @@ template <class Real>
   return isTooFar(FindRounded(skin, at, p, !wasBehind)) ? wasBehind : !wasBehind;
 }
 
-// How a contact sees the vertex p from the face `at`. Below a ridge or a tip of an open skin no face is straight above
-// the vertex, and the nearest point of the skin pulls it back: that distance is steady as one face takes over from the
-// other. Nor do planes of faces tell the sides there.
+// How a contact sees the vertex p from the face `at`. Beside all faces of an open skin, the nearest point of the skin
+// pushes the vertex, and below a ridge or a tip pulls it back: that distance is steady as one face takes over from the
+// other and past a border, where planes of faces would push what they only pass by. Nor do planes tell the sides there.
 template <class Real>
 [[nodiscard]] FacePoint<Real> FindSeen(const Skin<Real>& skin, const BodyContact<Real>& contact,
                                        const FacePoint<Real>& at, const Vector3<Real>& p) {
@@ -95,7 +95,7 @@ template <class Real>
   const bool isBehind = IsBehindNow(skin, contact, at, p);
   const Real below = -at.distance - skin.offset;
   const bool isAtBorder = IsPastBorder(skin, at) && below * below < at.doubleArea;
-  if (isBehind == IsInside(skin, at) && (!isBehind || isAtBorder)) return at;
+  if (isBehind && IsInside(skin, at) && isAtBorder) return at;
   return FindRounded(skin, at, p, isBehind);
 }
 
@@ -122,7 +122,8 @@ void FadeGap(const Skin<Real>& skin, FacePoint<Real>& at) {
 // Whether the contact exerts force (ContactPhase). at: with the leap added to its distance.
 template <class Real>
 [[nodiscard]] bool Pushes(const BodyContact<Real>& contact, const FacePoint<Real>& at) {
-  return contact.phase != ContactPhase::kWaiting && at.distance < Real(0) && -at.distance <= contact.maxDepth &&
+  const bool mayPush = contact.phase == ContactPhase::kArmed || contact.phase == ContactPhase::kTouching;
+  return mayPush && at.distance < Real(0) && -at.distance <= contact.maxDepth &&
          at.weights.minCoeff() >= -static_cast<Real>(kMaxOverhang);
 }
 

@@ -207,32 +207,33 @@ struct EndAtBorder {
   }
 };
 
-// Past the border of an open skin a rod's end belongs to the side that it is on, though it is less than its radius away
-// from it: the skin's points lie in the middle of the radius, so that the depth is the same from both sides.
+// Past the border of an open skin a rod's end belongs to the side that it is on, and is as deep as the border is nearer
+// than its radius.
 TEST(EdgeContact, ARodThatRoundsABorderIsNoDeeperOnTheOtherSide) {
-  for (const double height : {0.029, 0.02, 0.001, -0.001, -0.02}) {
-    EndAtBorder end(Vector3d(0.4, -0.1, height));
-    const double depth = EndAtBorder::kRadius - std::abs(height);
-    end.contact = {.phase = ContactPhase::kTouching, .maxDepth = 1, .depth = depth, .foot = Vector3d(0.7, 0.4, -0.1)};
+  for (const double height : {0.027, 0.02, 0.001, -0.001, -0.02}) {
+    EndAtBorder end(Vector3d(0.4, -0.01, height));
+    const double depth = EndAtBorder::kRadius - std::hypot(height, 0.01);
+    end.contact = {.phase = ContactPhase::kTouching, .maxDepth = 1, .depth = depth, .foot = Vector3d(0.61, 0.4, -0.01)};
     end.Update();
     EXPECT_EQ(end.contact.side, height > 0 ? SkinSide::kFront : SkinSide::kBack) << height;
     EXPECT_NEAR(end.contact.depth, depth, 1e-9) << height;
   }
 }
 
-// Far past the border it is not pushed, however near it is to the plane; when it comes in from there, nobody has
-// pressed the spring that its depth would be.
+// Past the border it is not pushed, however near it is to the plane; when it comes in from there faster than it can
+// have moved, nobody has pressed the spring that its depth would be.
 TEST(EdgeContact, ARodThatComesInFromBesideIsNotDeep) {
-  EndAtBorder end(Vector3d(0.4, -0.3, 0.01));
-  end.contact = {.phase = ContactPhase::kArmed, .maxDepth = 1, .foot = Vector3d(0.9, 0.4, -0.3)};
+  EndAtBorder end(Vector3d(0.4, -0.05, 0.01));
+  end.contact = {.phase = ContactPhase::kArmed, .maxDepth = 1, .foot = Vector3d(0.65, 0.4, -0.05)};
   end.Update();
   EXPECT_EQ(end.contact.phase, ContactPhase::kArmed);
-  end.x[0].y() = -0.2;
+  end.x[0].y() = -0.02;
   end.Update();
   EXPECT_LT(end.contact.depth, 1e-9);
-  end.x[0].z() -= 0.004;
+  end.x[0].z() = 0.006;
   end.Update();
-  EXPECT_NEAR(end.contact.depth, 0.004, 1e-9) << "what it presses itself counts";
+  EXPECT_NEAR(end.contact.depth, std::hypot(0.02, 0.01) - std::hypot(0.02, 0.006), 1e-9)
+      << "what it presses itself counts";
   EXPECT_EQ(end.contact.phase, ContactPhase::kTouching);
 }
 

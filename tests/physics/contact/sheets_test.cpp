@@ -2,7 +2,9 @@
 // sheet, and contacts that remember where they came from pull them back.
 #include <gtest/gtest.h>
 
+#include "server/physics/contact/body_contact_update.h"
 #include "server/physics/contact/body_contact_view.h"
+#include "server/physics/shapes/material.h"
 #include "tests/bench/stability/stress_shots.h"
 
 namespace wobble::physics {
@@ -19,12 +21,25 @@ struct SheetShot {
 // contacts went over to layers of the crumpled sheet that looked the other way, at 67 and 89 m/s. And a lattice and two
 // balls that planes of faces beside them took to be on the other side of the sheet, at 83 to 95 m/s.
 TEST(Sheets, HoldWhatIsShotAtThem) {
-  for (const auto& [seed, number] : {SheetShot{1, 124}, {1, 159}, {1, 234}, {1, 299}, {1, 689}, {1, 759}, {1, 39},
-                                     {1, 269}, {1, 324}, {1, 979}, {1, 829}, {1, 914}, {3, 639}, {4, 449}, {4, 664}}) {
+  for (const auto& [seed, number] : {SheetShot{1, 124},
+                                     {1, 159},
+                                     {1, 234},
+                                     {1, 299},
+                                     {1, 689},
+                                     {1, 759},
+                                     {1, 39},
+                                     {1, 269},
+                                     {1, 324},
+                                     {1, 979},
+                                     {1, 829},
+                                     {1, 914},
+                                     {3, 639},
+                                     {4, 449},
+                                     {4, 664}}) {
     const bench::StressShot shot = bench::PlayStressShot(seed, number);
     ASSERT_EQ(shot.target, bench::StressTarget::kSheet) << number;
-    EXPECT_FALSE(shot.through || shot.hangs) << "seed " << seed << " shot " << number << ", "
-                                             << bench::NameStressBody(shot.body) << " at " << shot.speed;
+    EXPECT_FALSE(shot.through || shot.hangs)
+        << "seed " << seed << " shot " << number << ", " << bench::NameStressBody(shot.body) << " at " << shot.speed;
     EXPECT_EQ(shot.outcome.reset + shot.outcome.nonFinite, 0U) << seed << " " << number;
   }
 }
@@ -50,16 +65,82 @@ TEST(Sheets, PullBackToTheRidgeSteadily) {
   EXPECT_NEAR(see({0.4 - 1e-9, 0, 0.4}).distance, see({0.4 + 1e-9, 0, 0.4}).distance, 1e-8);
 }
 
-// A tent with its tip at the origin, steeper on one side. Seen from below, p, above the tip, is behind; of the faces, all
-// as near, the steep one's plane has it in front.
+// Past a border it is the distance from the skin that counts, not that from the plane of the last face.
+TEST(Sheets, PushPastABorderByTheDistanceFromIt) {
+  const Roof roof;
+  const Skin<double> skin{
+      .faces = roof.faces, .topology = &roof.topology, .x = std::span<const Vector3d>(roof.x), .offset = 0.1};
+  const BodyContact<double> contact{.phase = ContactPhase::kTouching, .maxDepth = 0.2, .depth = 0.05};
+  const Vector3d eaves(1, 0, -1);
+  const Vector3d out = Vector3d(1, 0, -1).normalized();  // down the slope of the first face
+  const Vector3d up = Vector3d(1, 0, 1).normalized();
+  for (const double height : {1e-9, 0.02}) {
+    const Vector3d p = eaves + 0.05 * out + height * up;
+    const FacePoint<double> at = FindSeen(skin, contact, FindFacePoint(skin, 0, p), p);
+    EXPECT_TRUE(at.rounded) << height;
+    EXPECT_NEAR(at.distance, std::hypot(0.05, height) - 0.1, 1e-8) << height;
+  }
+}
+
+// A vertex whose walk has ended at a layer of the skin that is turned over: it is behind it by `below` m without having
+// passed it.
+struct TurnedLayer {
+  Roof roof;
+  std::vector<Vector3d> x{Vector3d::Zero()};
+  std::vector<Vector3d> still = std::vector<Vector3d>(4, Vector3d::Zero());
+  std::vector<double> shares{1};
+  BodyContact<double> contact{.phase = ContactPhase::kTouching, .maxDepth = 0.013, .depth = 0.003};
+  static constexpr double kOffset = 0.007;
+
+  void MoveTo(double below) {
+    const Vector3d middle(0.5, 0, -0.5);
+    x[0] = middle - below * Vector3d(1, 0, 1).normalized();
+    Material material;
+    material.stiffness = 1000;
+    const Meeting<double> meeting{.x = x,
+                                  .v = std::span<const Vector3d>(still).first(1),
+                                  .shares = shares,
+                                  .skin = {.faces = roof.faces,
+                                           .topology = &roof.topology,
+                                           .x = std::span<const Vector3d>(roof.x),
+                                           .offset = kOffset},
+                                  .skinV = std::span<const Vector3d>(still)};
+    const ContactParameters<double> parameters = MakeContactParameters(material, 1, 0.5);
+    UpdateBodyContacts<double>(parameters, meeting, 1e-3, {&contact, 1});
+    ContactForce<double> force;
+    ComputeBodyContacts<double>(parameters, meeting, {&contact, 1}, {&force, 1});
+    acts = force.acts;
+  }
+  bool acts = false;
+};
+
+// The spring between would be of up to two offsets, and nobody has pressed it: neither as the vertex comes nearer, nor
+// when it comes out in front. What it presses there itself counts.
+TEST(Sheets, DoNotPushWhatStandsBehindATurnedLayer) {
+  TurnedLayer layer;
+  for (const double below : {0.05, 0.02, 0.012, 0.006, 0.002}) {
+    layer.MoveTo(below);
+    EXPECT_EQ(layer.contact.phase, ContactPhase::kAside) << below;
+    EXPECT_FALSE(layer.acts) << below;
+  }
+  layer.MoveTo(-0.002);
+  EXPECT_EQ(layer.contact.phase, ContactPhase::kArmed);
+  EXPECT_FALSE(layer.acts);
+  layer.MoveTo(-0.004);
+  layer.MoveTo(-0.003);
+  EXPECT_EQ(layer.contact.phase, ContactPhase::kTouching);
+  EXPECT_NEAR(layer.contact.depth, 0.001, 1e-9);
+}
+
+// A tent with its tip at the origin, steeper on one side. Seen from below, p, above the tip, is behind; of the faces,
+// all as near, the steep one's plane has it in front.
 TEST(Sheets, TellTheSideOfATipByAllFacesRoundIt) {
   const std::vector<Vector3d> x{{0, 0, 0}, {1, 1, -3}, {-1, 1, -2}, {-1, -1, -2}, {1, -1, -3}};
   const std::vector<Face> faces{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}};
   const Topology topology = MakeTopology(faces, x.size());
   const Vector3d p(-0.1, 0, 0.1);
   for (const double side : {1.0, -1.0}) {
-    const Skin<double> skin{
-        .faces = faces, .topology = &topology, .x = std::span<const Vector3d>(x), .side = side};
+    const Skin<double> skin{.faces = faces, .topology = &topology, .x = std::span<const Vector3d>(x), .side = side};
     const BodyContact<double> contact{
         .phase = ContactPhase::kArmed, .maxDepth = 1, .depth = -0.01 * side};  // may have come from anywhere near
     for (std::uint16_t face = 0; face < faces.size(); ++face) {
