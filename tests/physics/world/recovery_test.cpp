@@ -62,7 +62,7 @@ double FindLeastRatio(const Blueprint& lattice, const std::vector<Vector3d>& x) 
 // cell is right side out then and that it moved no faster on the way than sound in it.
 void ExpectUnfolded(const Blueprint& lattice, const std::vector<Vector3d>& start, const std::string& what) {
   Recovery recovery;
-  const std::vector<Vector3d> x = PlayOnGround(lattice, start, recovery);
+  const std::vector<Vector3d> x = PlayOnGround(lattice, start, recovery).back();
   EXPECT_GT(FindLeastRatio(lattice, x), 0.3) << what;
   EXPECT_EQ(recovery.reset, 0U) << what;
   EXPECT_LT(recovery.speed, 22) << what;
