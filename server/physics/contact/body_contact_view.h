@@ -8,7 +8,7 @@
 #include <span>
 
 #include "server/physics/contact/body_contact.h"
-#include "server/physics/contact/skin_side.h"
+#include "server/physics/contact/behind_skin.h"
 
 namespace wobble::physics {
 
