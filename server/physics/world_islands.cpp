@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "server/physics/step/first_substeps.h"
 #include "server/physics/step/island_step.h"
-#include "server/physics/step/substeps.h"
 
 namespace wobble::physics {
 namespace {

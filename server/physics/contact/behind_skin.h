@@ -1,9 +1,9 @@
 // On which side of an open skin a point is. For the units of body contacts (law, search, update) alone.
 //
-// Straight above or below a face its plane tells. Beside all faces, past a ridge or a tip, planes contradict one another:
-// the point is above some and below others. There the sum of the normals round the nearest side tells, and round the
-// nearest corner the sum by their angles (Bærentzen & Aanæs, Signed distance computation using the angle weighted
-// pseudonormal, 2005), for a skin that does not pass through itself.
+// Straight above or below a face its plane tells. Beside all faces, past a ridge or a tip, planes contradict one
+// another: the point is above some and below others. There the sum of the normals round the nearest side tells, and
+// round the nearest corner the sum by their angles (Bærentzen & Aanæs, Signed distance computation using the angle
+// weighted pseudonormal, 2005), for a skin that does not pass through itself.
 #pragma once
 
 #include <algorithm>

@@ -7,8 +7,8 @@
 #include <limits>
 #include <span>
 
-#include "server/physics/contact/body_contact.h"
 #include "server/physics/contact/behind_skin.h"
+#include "server/physics/contact/body_contact.h"
 
 namespace wobble::physics {
 

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <variant>
 
-#include "server/physics/methods/step_choice.h"
+#include "server/physics/methods/substeps_for_error.h"
 #include "server/physics/model/state.h"
 
 namespace wobble::physics {

@@ -51,8 +51,8 @@ class PlainStepping {
     }
   }
 
-  // The same step as runge_kutta.h's, with each member's error estimated by step_choice.h's formula. step: s; timeLeft:
-  // of the tick at the step's begin, s; hasBefore: this is not the tick's first step.
+  // The same step as runge_kutta.h's, with each member's error estimated by substeps_for_error.h's formula. step: s;
+  // timeLeft: of the tick at the step's begin, s; hasBefore: this is not the tick's first step.
   void StepRungeKutta(double step, bool hasBefore, double timeLeft) {
     const auto h = static_cast<Real>(step);
     auto& stages = m_scratch.integrator.stages;

@@ -12,10 +12,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/physics/methods/step_choice.h"
+#include "server/physics/methods/substeps_for_error.h"
 #include "server/physics/step/body_system.h"
+#include "server/physics/step/first_substeps.h"
 #include "server/physics/step/island_health.h"
-#include "server/physics/step/substeps.h"
 
 namespace wobble::physics {
 

@@ -218,7 +218,7 @@ void Pack<Real, Layout>::CopyVertex(std::size_t vertex, std::size_t lane, const 
   }
 }
 
-// sums: of squares over a body's vertices. The formula is step_choice.h's.
+// sums: of squares over a body's vertices. The formula is substeps_for_error.h's.
 template <class Real, class Layout>
 void Pack<Real, Layout>::AddErrors(const Real* sums, double weight) {
   for (std::size_t lane = 0; lane < m_bodies.whose.size(); ++lane) {

@@ -9,8 +9,8 @@
 #include "server/physics/shapes/pair.h"
 #include "server/physics/shapes/ring.h"
 #include "server/physics/shapes/tear.h"
+#include "server/physics/step/first_substeps.h"
 #include "server/physics/step/island_step.h"
-#include "server/physics/step/substeps.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 

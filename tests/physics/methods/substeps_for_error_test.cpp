@@ -1,4 +1,4 @@
-#include "server/physics/methods/step_choice.h"
+#include "server/physics/methods/substeps_for_error.h"
 
 #include <gtest/gtest.h>
 
@@ -68,7 +68,7 @@ Played Play(double errorTarget, double dropHeight) {
 struct MotionCase {
   const char* name;
   double dropHeight;
-  // In a bounce with friction the estimate sees a part of the error alone (step_choice.h).
+  // In a bounce with friction the estimate sees a part of the error alone (substeps_for_error.h).
   double leastTarget;
 };
 class ErrorTarget : public testing::TestWithParam<MotionCase> {};

@@ -1,6 +1,6 @@
 // Rises at once to what the largest error of the last ticks asks for; falls one rung at a time, and only after some
 // ticks.
-#include "server/physics/methods/step_choice.h"
+#include "server/physics/methods/substeps_for_error.h"
 
 #include <algorithm>
 #include <cmath>

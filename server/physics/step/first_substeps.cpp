@@ -1,6 +1,6 @@
 // Contacts between members raise the frequencies of both bodies: their stiffness and damping are summed for each vertex
 // of the island first, then the largest rates of each member are added to its own modes (methods/stability.h).
-#include "server/physics/step/substeps.h"
+#include "server/physics/step/first_substeps.h"
 
 #include <algorithm>
 
