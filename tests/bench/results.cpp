@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <fstream>
 
-#include "server/physics/lanes/kernels.h"
+#include "server/physics/kernels/kernels.h"
 #include "tests/bench/commit.h"
 
 namespace wobble::bench {

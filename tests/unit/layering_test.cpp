@@ -50,24 +50,26 @@ Strings Join(Strings first, const Strings& second) {
   return first;
 }
 
-const std::string kLanes = "server/physics/lanes/", kModel = "server/physics/model/",
-                  kContact = "server/physics/contact/", kMethods = "server/physics/methods/",
-                  kShapes = "server/physics/shapes/", kStep = "server/physics/step/", kPhysics = "server/physics/",
-                  kScenes = "server/scenes/", kTiming = "server/timing/", kPlay = "server/play/",
-                  kRecording = "server/recording/", kSnapshots = "server/snapshots/", kProtocol = "protocol/",
-                  kCodec = "protocol/codec/", kEncoding = "protocol/codec/encoding/",
-                  kVestibule = "protocol/transport/vestibule/", kUsage = "protocol/usage/", kClient = "client/";
+const std::string kLanes = "server/physics/lanes/", kKernels = "server/physics/kernels/",
+                  kModel = "server/physics/model/", kContact = "server/physics/contact/",
+                  kMethods = "server/physics/methods/", kShapes = "server/physics/shapes/",
+                  kStep = "server/physics/step/", kPhysics = "server/physics/", kScenes = "server/scenes/",
+                  kTiming = "server/timing/", kPlay = "server/play/", kRecording = "server/recording/",
+                  kSnapshots = "server/snapshots/", kProtocol = "protocol/", kCodec = "protocol/codec/",
+                  kEncoding = "protocol/codec/encoding/", kVestibule = "protocol/transport/vestibule/",
+                  kUsage = "protocol/usage/", kClient = "client/";
 // The headers of the client library itself, without the rooms of the commands.
 const Strings kCommandReach{kClient, kProtocol};
 
 // CONTRIBUTING.md's table. Rooms that are named first are more particular.
 const std::vector<Room> kRooms{
     {kLanes, {}, kEngine, kClockFileLog},
-    {kModel, {kLanes}, Join(kEngine, {"oneapi/tbb", "tbb/"}), kClockFileLog},
-    {kContact, {kModel, kLanes}, kEngine, kClockFileLog},
-    {kMethods, {kContact, kModel, kLanes}, kEngine, kClockFileLog},
-    {kShapes, {kMethods, kContact, kModel, kLanes}, kEngine, kClockFileLog},
-    {kStep, {kMethods, kContact, kModel, kLanes}, kEngine, kClockFileLog},
+    {kKernels, {kLanes}, kEngine, kClockFileLog},
+    {kModel, {kKernels, kLanes}, Join(kEngine, {"oneapi/tbb", "tbb/"}), kClockFileLog},
+    {kContact, {kModel, kKernels, kLanes}, kEngine, kClockFileLog},
+    {kMethods, {kContact, kModel, kKernels, kLanes}, kEngine, kClockFileLog},
+    {kShapes, {kMethods, kContact, kModel, kKernels, kLanes}, kEngine, kClockFileLog},
+    {kStep, {kMethods, kContact, kModel, kKernels, kLanes}, kEngine, kClockFileLog},
     {kPhysics, {}, Join(kEngine, {"tbb/"}), kClockFileLog},
     {kScenes, {kPhysics}, {"toml++/"}, kClock},
     {kTiming, {}, {}, kClock},
@@ -393,14 +395,14 @@ TEST(Layering, TheCheckerSeesEachOffence) {
       alone(world, "#include WORLD\n", {"world.cpp:1: WORLD cannot"}),
       alone(world, "// #include \"protocol/limits.h\"\n", {}),
       // The arrow runs up three headers away, and both ends are named.
-      {"server/physics/lanes/sweep.cpp",
-       {{"server/physics/lanes/sweep.cpp", "#include \"server/physics/lanes/sweep.h\"\n"},
-        {"server/physics/lanes/sweep.h", "#include \"server/physics/lanes/terms.h\"\n"},
-        {"server/physics/lanes/terms.h", "#include \"server/physics/model/blueprint.h\"\n"}},
+      {"server/physics/kernels/sweep.cpp",
+       {{"server/physics/kernels/sweep.cpp", "#include \"server/physics/kernels/sweep.h\"\n"},
+        {"server/physics/kernels/sweep.h", "#include \"server/physics/kernels/terms.h\"\n"},
+        {"server/physics/kernels/terms.h", "#include \"server/physics/model/blueprint.h\"\n"}},
        {}},
-      {"server/physics/lanes/terms.h",
-       {{"server/physics/lanes/terms.h", "#include \"server/physics/model/blueprint.h\"\n"}},
-       {"lanes/terms.h: may not reach server/physics/model/blueprint.h"}},
+      {"server/physics/kernels/terms.h",
+       {{"server/physics/kernels/terms.h", "#include \"server/physics/model/blueprint.h\"\n"}},
+       {"kernels/terms.h: may not reach server/physics/model/blueprint.h"}},
       {"server/physics/contact/contact.h",
        {{"server/physics/contact/contact.h", "#include \"server/physics/model/state.h\"\n"},
         {"server/physics/model/state.h", "#include \"server/physics/step/body.h\"\n"}},

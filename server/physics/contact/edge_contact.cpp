@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/physics/lanes/contact_limits.h"
+#include "server/physics/kernels/contact_limits.h"
 
 namespace wobble::physics {
 namespace {

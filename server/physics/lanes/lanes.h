@@ -1,6 +1,5 @@
-// The room physics/lanes holds the kernels: the hot loops of the engine, compiled once for each instruction set. This
-// file: arithmetic on vectors of W numbers, the same bits in every lane whatever W is. A lane is a body, a spring, a
-// contact or a column of a grid, as each kernel says.
+// Arithmetic on vectors of W numbers, the same bits in every lane whatever W is. A lane is a body, a spring, a contact
+// or a column of a grid, as each kernel says.
 //
 // Compiler vector types and, where they have no operator, one intrinsic (lanes_avx.h, lanes_neon.h). Rejected: Highway,
 // measured on the sweep of sweep.h (162-vertex ball, g++ 12, AMD EPYC with AVX-512): vector types took 12.1 and Highway

@@ -5,7 +5,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "server/physics/lanes/kernels.h"
+#include "server/physics/kernels/kernels.h"
 
 namespace wobble::physics {
 namespace {

@@ -1,5 +1,5 @@
-// Plain loops over springs and faces. Sums run in the order of the lists, which the kernels of lanes/ are tested
-// against.
+// Plain loops over springs and faces. Sums run in the order of the lists; the kernels of kernels/ are tested against
+// them.
 #include "server/physics/methods/forces.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The tables that the row-by-row sweep of a grid reads (lanes/grid.h), computed once per blueprint.
+// The tables that the row-by-row sweep of a grid reads (kernels/grid.h), computed once per blueprint.
 #pragma once
 
 #include <array>
@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/lanes/grid.h"
+#include "server/physics/kernels/grid.h"
 
 namespace wobble::physics {
 

@@ -1,5 +1,5 @@
-// Orders vertices and springs for the sweep, and turns faces into rings and wedges (lanes/sweep_tables.h), so that the
-// sweep reads all tables once, front to back. Every index is multiplied out here: 6 times a place, 3 times a slot.
+// Orders vertices and springs for the sweep, and turns faces into rings and wedges (kernels/sweep_tables.h), so that
+// the sweep reads all tables once, front to back. Every index is multiplied out here: 6 times a place, 3 times a slot.
 #include "server/physics/model/sweep_plan.h"
 
 #include <algorithm>

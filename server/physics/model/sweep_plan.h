@@ -1,15 +1,15 @@
-// The tables that one sweep over a body's vertices reads (lanes/sweep.h), computed once per blueprint.
+// The tables that one sweep over a body's vertices reads (kernels/sweep.h), computed once per blueprint.
 //
 // Vertices stand in breadth-first order over springs and tetrahedra: the neighbours of a vertex are then near it in
 // memory, and the forces that it passes on to later vertices fit a small ring. In a grid the order of the vertices'
-// numbers does as well, and it is the order of the sweep of lanes/grid.h: both add up in the same order and give the
+// numbers does as well, and it is the order of the sweep of kernels/grid.h: both add up in the same order and give the
 // same bits, so each body can take whichever sweep is faster.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "server/physics/lanes/sweep.h"
+#include "server/physics/kernels/sweep.h"
 #include "server/physics/model/grid_plan.h"
 
 namespace wobble::physics {

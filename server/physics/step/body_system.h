@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "server/physics/contact/backtracking.h"
-#include "server/physics/lanes/sweep.h"
+#include "server/physics/kernels/sweep.h"
 #include "server/physics/methods/integrator_step.h"
 #include "server/physics/model/parallel.h"
 #include "server/physics/step/member.h"

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "server/physics/lanes/kernels.h"
+#include "server/physics/kernels/kernels.h"
 #include "server/physics/step/island_tick.h"
 
 namespace wobble::physics {

@@ -1,4 +1,4 @@
-// The layout of a pack of bodies side by side: lane l of every vector is body l, a place is a vertex (lanes/sweep.h).
+// The layout of a pack of bodies side by side: lane l of every vector is body l, a place is a vertex (kernels/sweep.h).
 #pragma once
 
 #include "server/physics/step/pack.h"
@@ -6,7 +6,7 @@
 namespace wobble::physics {
 
 // Whether springs of the body have torn although its blueprint cannot tear: a blade has cut it. The sweep of rare terms
-// (lanes/rare_terms.h) leaves those springs out; the other bodies of the blueprint go through another sweep, so a cut
+// (kernels/rare_terms.h) leaves those springs out; the other bodies of the blueprint go through another sweep, so a cut
 // body must not share a pack with them.
 template <class Real>
 [[nodiscard]] bool IsCut(const Member<Real>& member) {

@@ -1,4 +1,4 @@
-// A pack: bodies of one blueprint that are stepped by one sweep of vector instructions (lanes/sweep.h).
+// A pack: bodies of one blueprint that are stepped by one sweep of vector instructions (kernels/sweep.h).
 //
 // The bodies' own states stay as they are, one vertex after the other: a pack is filled from them for a try of a tick
 // and read back after it. That costs a few nanoseconds a vertex and leaves nothing to keep consistent when bodies wake,
@@ -29,7 +29,7 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/lanes/kernels.h"
+#include "server/physics/kernels/kernels.h"
 #include "server/physics/step/body_system.h"
 #include "server/physics/step/pack_contacts.h"
 #include "server/physics/step/pack_planes.h"

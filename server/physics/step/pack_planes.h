@@ -1,4 +1,4 @@
-// Contacts of a pack's bodies with planes, in the pack's own lanes (lanes/plane_lanes.h). While the pack is stepped,
+// Contacts of a pack's bodies with planes, in the pack's own lanes (kernels/plane_lanes.h). While the pack is stepped,
 // the current state of its contacts is here; WriteBack copies it to the members' own lists at the end.
 //
 // Gathering them into a list, as for other surfaces (pack_contacts.h), took three times as long for bodies that touch
@@ -8,7 +8,7 @@
 #include <array>
 #include <vector>
 
-#include "server/physics/lanes/plane_lanes.h"
+#include "server/physics/kernels/plane_lanes.h"
 #include "server/physics/step/member.h"
 
 namespace wobble::physics {

@@ -1,5 +1,5 @@
 // The layout of a pack that is a single body whose vertices stand in a grid: lane l of every vector is column l of the
-// grid, a place is a row (lanes/grid.h). So a lone body fills whole vectors.
+// grid, a place is a row (kernels/grid.h). So a lone body fills whole vectors.
 #pragma once
 
 #include "server/physics/step/pack.h"
@@ -7,7 +7,7 @@
 namespace wobble::physics {
 
 // Whether bodies of this blueprint, so many together, are stepped each by itself in rows rather than side by side in
-// lanes. Both give the same bits except with rare terms (lanes/rare_terms.h), which add up in another order; so a
+// lanes. Both give the same bits except with rare terms (kernels/rare_terms.h), which add up in another order; so a
 // blueprint that has a grid and such terms always goes by rows.
 template <class Real>
 [[nodiscard]] bool GoesByRows(const Blueprint& blueprint, std::size_t bodies);

@@ -14,7 +14,7 @@
 #include <cmath>
 #include <functional>
 
-#include "server/physics/lanes/kernels.h"
+#include "server/physics/kernels/kernels.h"
 #include "tests/bench/accuracy/experiments.h"
 #include "tests/bench/accuracy/odeint.h"
 

@@ -4,7 +4,7 @@
 
 #include <initializer_list>
 
-#include "server/physics/lanes/sweep_kernel.h"
+#include "server/physics/kernels/sweep_kernel.h"
 
 namespace wobble::bench {
 namespace {

@@ -2,7 +2,7 @@
 // removed.
 #pragma once
 
-#include "server/physics/lanes/sweep.h"
+#include "server/physics/kernels/sweep.h"
 
 namespace wobble::bench {
 

@@ -1,6 +1,6 @@
 #include "tests/bench/throughput/peak.h"
 
-#include "server/physics/lanes/kernels.h"
+#include "server/physics/kernels/kernels.h"
 #include "tests/bench/throughput/peak_kernel.h"
 
 namespace wobble::bench {

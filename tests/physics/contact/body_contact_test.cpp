@@ -8,7 +8,7 @@
 
 #include "server/physics/contact/body_contact_search.h"
 #include "server/physics/contact/body_contact_update.h"
-#include "server/physics/lanes/kernels.h"
+#include "server/physics/kernels/kernels.h"
 #include "server/physics/shapes/ball.h"
 #include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/lattice.h"

@@ -1,7 +1,7 @@
 // The sweep of grids against the plain reference, and the same bits at every width.
 #include <gtest/gtest.h>
 
-#include "server/physics/lanes/kernels.h"
+#include "server/physics/kernels/kernels.h"
 #include "server/physics/methods/runge_kutta.h"
 #include "server/physics/shapes/cloth.h"
 #include "server/physics/shapes/finish_blueprint.h"

@@ -98,7 +98,7 @@ struct Bodies {
   BatchScratch<Real> scratch;
 };
 
-// Blueprints with rare terms (lanes/rare_terms.h): one with each term, and one with all that can be combined.
+// Blueprints with rare terms (kernels/rare_terms.h): one with each term, and one with all that can be combined.
 std::vector<Blueprint> MakeRareKinds() {
   std::vector<Blueprint> kinds{
       MakeRing({.material = {.mass = 4, .stiffness = 1500, .gas = 100, .ambientPressure = 50}}),

@@ -2,9 +2,9 @@
 // one, in the order of the sweep of packs, so that every sum has the same bits (see lone_kernel.h).
 #pragma once
 
+#include "server/physics/kernels/solid_terms.h"
+#include "server/physics/kernels/sweep.h"
 #include "server/physics/lanes/lanes.h"
-#include "server/physics/lanes/solid_terms.h"
-#include "server/physics/lanes/sweep.h"
 #include "server/physics/lanes/vertex_rows.h"
 
 namespace wobble::physics {

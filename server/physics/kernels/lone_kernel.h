@@ -12,10 +12,10 @@
 // Forces are added up where the stage will write its results, in `nextStage`, which nothing reads before.
 #pragma once
 
+#include "server/physics/kernels/lone_solid.h"
+#include "server/physics/kernels/sweep.h"
+#include "server/physics/kernels/sweep_kernel.h"
 #include "server/physics/lanes/lanes.h"
-#include "server/physics/lanes/lone_solid.h"
-#include "server/physics/lanes/sweep.h"
-#include "server/physics/lanes/sweep_kernel.h"
 #include "server/physics/lanes/vertex_rows.h"
 
 namespace wobble::physics {

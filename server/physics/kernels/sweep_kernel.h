@@ -1,16 +1,16 @@
 // The sweep of packs (sweep.h). Compiled once for each instruction set.
 #pragma once
 
-#include "server/physics/lanes/body_contact_kernel.h"
-#include "server/physics/lanes/contact_kernel.h"
-#include "server/physics/lanes/grid_kernel.h"
+#include "server/physics/kernels/body_contact_kernel.h"
+#include "server/physics/kernels/contact_kernel.h"
+#include "server/physics/kernels/grid_kernel.h"
+#include "server/physics/kernels/plane_kernel.h"
+#include "server/physics/kernels/point_kernel.h"
+#include "server/physics/kernels/rare_terms.h"
+#include "server/physics/kernels/solid_terms.h"
+#include "server/physics/kernels/sweep.h"
+#include "server/physics/kernels/terms.h"
 #include "server/physics/lanes/lanes.h"
-#include "server/physics/lanes/plane_kernel.h"
-#include "server/physics/lanes/point_kernel.h"
-#include "server/physics/lanes/rare_terms.h"
-#include "server/physics/lanes/solid_terms.h"
-#include "server/physics/lanes/sweep.h"
-#include "server/physics/lanes/terms.h"
 
 namespace wobble::physics {
 namespace {

@@ -13,12 +13,12 @@
 
 #include <cstdint>
 
-#include "server/physics/lanes/body_contact_lanes.h"
-#include "server/physics/lanes/contact_lanes.h"
-#include "server/physics/lanes/grid.h"
-#include "server/physics/lanes/plane_lanes.h"
-#include "server/physics/lanes/point_lanes.h"
-#include "server/physics/lanes/sweep_tables.h"
+#include "server/physics/kernels/body_contact_lanes.h"
+#include "server/physics/kernels/contact_lanes.h"
+#include "server/physics/kernels/grid.h"
+#include "server/physics/kernels/plane_lanes.h"
+#include "server/physics/kernels/point_lanes.h"
+#include "server/physics/kernels/sweep_tables.h"
 
 namespace wobble::physics {
 

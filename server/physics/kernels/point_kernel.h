@@ -4,8 +4,8 @@
 // a walk from vertex to vertex, which goes astray on a folded skin.
 #pragma once
 
+#include "server/physics/kernels/point_lanes.h"
 #include "server/physics/lanes/lanes.h"
-#include "server/physics/lanes/point_lanes.h"
 
 namespace wobble::physics {
 namespace {

@@ -1,7 +1,7 @@
 // The kernels of one lane and of the vectors that every processor has: AVX2 on x86, NEON on ARM.
-#include "server/physics/lanes/kernels.h"
-#include "server/physics/lanes/lone_kernel.h"
-#include "server/physics/lanes/sweep_kernel.h"
+#include "server/physics/kernels/kernels.h"
+#include "server/physics/kernels/lone_kernel.h"
+#include "server/physics/kernels/sweep_kernel.h"
 
 namespace wobble::physics {
 

@@ -1,7 +1,7 @@
 // Asks the processor once. Each kernel is compiled in a translation unit of its own for its instruction set; this one
 // is compiled for the baseline. The environment's WOBBLE_ISA=avx2 leaves AVX-512 unused, to measure what other
 // processors reach; no result depends on it.
-#include "server/physics/lanes/kernels.h"
+#include "server/physics/kernels/kernels.h"
 
 #include <algorithm>
 #include <array>

@@ -1,9 +1,10 @@
-// Chooses the kernels that this processor can run.
+// The room physics/kernels holds the hot loops of the engine, compiled once for each instruction set. This file chooses
+// those that the processor can run.
 #pragma once
 
 #include <span>
 
-#include "server/physics/lanes/sweep.h"
+#include "server/physics/kernels/sweep.h"
 
 namespace wobble::physics {
 

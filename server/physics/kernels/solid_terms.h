@@ -3,8 +3,8 @@
 // has an element in each lane (lone_solid.h): Constants gives an element's numbers as vectors, in either case.
 #pragma once
 
-#include "server/physics/lanes/sweep.h"
-#include "server/physics/lanes/terms.h"
+#include "server/physics/kernels/sweep.h"
+#include "server/physics/kernels/terms.h"
 
 namespace wobble::physics {
 namespace {

@@ -10,10 +10,10 @@
 // depend on the width, and it is the order of a body in a lane of a pack.
 #pragma once
 
-#include "server/physics/lanes/grid.h"
-#include "server/physics/lanes/rare_terms.h"
-#include "server/physics/lanes/sweep.h"
-#include "server/physics/lanes/terms.h"
+#include "server/physics/kernels/grid.h"
+#include "server/physics/kernels/rare_terms.h"
+#include "server/physics/kernels/sweep.h"
+#include "server/physics/kernels/terms.h"
 
 namespace wobble::physics {
 namespace {

@@ -1,6 +1,6 @@
 // The kernels of AVX-512. Compiled for it and run only on processors that have it.
-#include "server/physics/lanes/kernels.h"
-#include "server/physics/lanes/sweep_kernel.h"
+#include "server/physics/kernels/kernels.h"
+#include "server/physics/kernels/sweep_kernel.h"
 
 namespace wobble::physics {
 

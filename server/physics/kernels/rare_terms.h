@@ -4,8 +4,8 @@
 // instances have none.
 #pragma once
 
-#include "server/physics/lanes/sweep.h"
-#include "server/physics/lanes/terms.h"
+#include "server/physics/kernels/sweep.h"
+#include "server/physics/kernels/terms.h"
 
 namespace wobble::physics {
 namespace {
