@@ -34,7 +34,7 @@ Server::Server(const Config& config, scenes::Scene scene, std::unique_ptr<transp
       m_clock(1.0 / config.tickHz, now),
       m_watch(std::move(clock)),
       m_stage(std::make_unique<Stage>(m_config, std::move(scene), std::move(bases), m_watch)),
-      m_sender(*m_transport, config.viewDistance),
+      m_budget(*m_transport, config.viewDistance),
       m_load(1.0 / config.tickHz),
       m_snapshotHz(config.snapshotHz),
       m_lastCompany(now),
@@ -144,7 +144,7 @@ void Server::Send(BodySubset due, double now) {
     task.creditBytes = subscription.room.Rate(ceiling) / 8 / m_config.snapshotHz / due.divisor;
     task.now = now;
     task.download = &session.download;
-    m_sender.Send(m_stage->store, task, subscription);
+    m_budget.Spend(m_stage->store, task, subscription);
   }
   if (due.remainder == 0) SendForces();
   m_transport->Flush();
@@ -198,7 +198,7 @@ void Server::FollowLoad(std::size_t ticks, double now) {
   m_load.Record(spent / static_cast<double>(ticks), m_clock.Rate(), now);
   m_clock.SetLimit(m_load.RateLimit());
   const LoadLevel level = m_load.Level();
-  m_sender.SetCoarser(level >= LoadLevel::kCoarser);
+  m_budget.SetCoarser(level >= LoadLevel::kCoarser);
   m_snapshotHz = level >= LoadLevel::kBusy ? std::min(m_config.snapshotHz, kBusySnapshotHz) : m_config.snapshotHz;
   if (level == before) return;
   spdlog::log(level > before ? spdlog::level::warn : spdlog::level::info,

@@ -19,7 +19,7 @@
 #include "server/recording/film.h"
 #include "server/recording/recorder.h"
 #include "server/session.h"
-#include "server/snapshots/snapshot_sender.h"
+#include "server/snapshots/snapshot_budget.h"
 #include "server/stage.h"
 #include "server/timing/load_level.h"
 #include "server/timing/phases.h"
@@ -203,7 +203,7 @@ class Server {
   [[nodiscard]] std::uint64_t CoarsenedRecords() const {
     return m_counts.coarsenedBefore + m_stage->store.ReadEncoder().CoarsenedRecords();
   }
-  [[nodiscard]] const SendCounts& ReadSendCounts() const { return m_sender.Counts(); }
+  [[nodiscard]] const SendCounts& ReadSendCounts() const { return m_budget.Counts(); }
   [[nodiscard]] transport::Statistics ReadTransport() const { return m_transport->ReadStatistics(); }
   [[nodiscard]] const TickClock& Clock() const { return m_clock; }
   // Clients that have joined, players and spectators.
@@ -333,7 +333,7 @@ class Server {
   std::size_t m_scene = 0;                // of m_rotation, the present one
   std::size_t m_nextScene = 0;            // likewise, of m_nextStage
   std::future<std::unique_ptr<Stage>> m_nextStage;
-  SnapshotSender m_sender;
+  SnapshotBudget m_budget;
   LoadController m_load;
   int m_snapshotHz;
   physics::StepReport m_report;

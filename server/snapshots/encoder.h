@@ -21,7 +21,7 @@ namespace wobble::server {
 using Records = std::span<const std::span<const std::uint8_t>>;
 
 // The qualities of a snapshot, finest first: the RMS error over a body's vertices, as a share of its size. The coarser
-// ones are for distant bodies and for clients whose byte budget would leave bodies out (relevance.h). In steps of the
+// ones are for distant bodies and for clients whose byte budget would leave bodies out (coarseness.h). In steps of the
 // root of two up to what one sees from near, so that a budget is used well, then of two.
 inline constexpr std::array<float, 7> kSnapshotErrorShares{0.0025F, 0.0035F, 0.005F, 0.007F, 0.01F, 0.02F, 0.04F};
 inline constexpr std::size_t kQualities = kSnapshotErrorShares.size();

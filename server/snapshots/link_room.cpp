@@ -23,7 +23,7 @@ constexpr double kFollowingGrowth = 1.05;
 constexpr double kBackOff = 0.85;
 constexpr double kLeastArrived = 0.5;  // of what was sent: a stall delays packets, and does not make the link narrow
 // A rate of which less is used does not grow. Qualities get finer at a third to two fifths less than the budget
-// (relevance.cpp), so they do it first.
+// (coarseness.cpp), so they do it first.
 constexpr double kUsedShare = 0.5;
 constexpr double kLeastAge = 30;  // of half of the memory for the least round trip, s
 

@@ -1,6 +1,6 @@
 // Capturing and encoding every body before the choice was tried and rejected: of a thousand moving bodies most were
 // shown to nobody, because a snapshot of sixteen clients holds a few dozen of them. So a body is encoded when the
-// sender takes it, and ahead of that where it is likely to be taken: together with others that costs three fifths of
+// budget takes it, and ahead of that where it is likely to be taken: together with others that costs three fifths of
 // what it costs alone, and threads share it.
 #include "server/snapshots/snapshot_store.h"
 

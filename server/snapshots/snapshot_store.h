@@ -1,5 +1,5 @@
 // The one owner of what is captured of the world and of the records encoded from it. The server tells it what has
-// happened, the sender asks it for records; it calls neither.
+// happened, SnapshotBudget asks it for records; it calls neither.
 #pragma once
 
 #include <cstdint>

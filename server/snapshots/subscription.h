@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "protocol/acknowledgement.h"
+#include "server/snapshots/coarseness.h"
 #include "server/snapshots/link_room.h"
-#include "server/snapshots/relevance.h"
 
 namespace wobble::server {
 

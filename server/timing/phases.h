@@ -31,8 +31,8 @@ struct PhaseTimes {
   [[nodiscard]] double Sum() const { return std::accumulate(phases.begin(), phases.end(), 0.0); }
 };
 
-// Adds all time between Begin and End to one phase or another. The sender captures and encodes bodies as it takes them,
-// so phases alternate many times within a tick.
+// Adds all time between Begin and End to one phase or another. SnapshotBudget has bodies captured and encoded as it
+// takes them, so phases alternate many times within a tick.
 class PhaseWatch {
  public:
   // clock: may be empty; then no time passes.

@@ -1,11 +1,13 @@
 // Ranks the bodies of one snapshot, takes them by falling rank while there is credit, and packs their records. The last
 // record may overdraw the credit; the debt is paid by the next snapshots, so the budget holds over time.
-#include "server/snapshots/snapshot_sender.h"
+#include "server/snapshots/snapshot_budget.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <functional>
+
+#include "server/snapshots/body_priority.h"
 
 namespace wobble::server {
 namespace {
@@ -29,7 +31,7 @@ double SendCounts::ErrorPercentRms() const {
   return vertices > 0 ? 100 * std::sqrt(errorSquares / static_cast<double>(vertices)) : 0;
 }
 
-void SnapshotSender::Begin(std::span<const ShownBody> bodies, const SnapshotTask& task, Subscription& subscription) {
+void SnapshotBudget::Begin(std::span<const ShownBody> bodies, const SnapshotTask& task, Subscription& subscription) {
   m_task = task;
   m_counts.budgetBytes += task.creditBytes;
   RankBodies(bodies, subscription);
@@ -40,7 +42,7 @@ void SnapshotSender::Begin(std::span<const ShownBody> bodies, const SnapshotTask
   subscription.turn.credit += task.creditBytes;
 }
 
-void SnapshotSender::RankBodies(std::span<const ShownBody> bodies, Subscription& subscription) {
+void SnapshotBudget::RankBodies(std::span<const ShownBody> bodies, Subscription& subscription) {
   const ShownBody* own = FindBody(bodies, m_task.ownBody);
   m_viewpoint = own != nullptr ? own->centre : protocol::Vector3{};
   const float nearRadius = FindNearRadius(bodies, m_viewpoint, m_distances);
@@ -70,7 +72,7 @@ void SnapshotSender::RankBodies(std::span<const ShownBody> bodies, Subscription&
   m_taken = 0;
 }
 
-std::optional<SnapshotSender::Pick> SnapshotSender::PickNext(std::span<const ShownBody> bodies,
+std::optional<SnapshotBudget::Pick> SnapshotBudget::PickNext(std::span<const ShownBody> bodies,
                                                              Subscription& subscription) {
   // Bodies fall unevenly into the snapshots of a turn: near ones may overdraw one snapshot by what the next one gets.
   const bool isNear = m_taken < m_near && subscription.nearCredit > 0 && subscription.credit > -m_task.creditBytes;
@@ -87,7 +89,7 @@ std::optional<SnapshotSender::Pick> SnapshotSender::PickNext(std::span<const Sho
 
 // The index of the body that ranks highest among those not taken yet, near ones before all others. A budget takes a few
 // of many bodies, so no more than these are sorted.
-std::size_t SnapshotSender::TakeHighest() {
+std::size_t SnapshotBudget::TakeHighest() {
   if (m_taken == m_sorted) {
     const std::size_t more = std::min(std::max(kFirstRanks, m_sorted), m_ranks.size() - m_sorted);
     const auto begin = m_ranks.begin() + static_cast<std::ptrdiff_t>(m_sorted);
@@ -97,13 +99,13 @@ std::size_t SnapshotSender::TakeHighest() {
   return ~static_cast<std::uint32_t>(m_ranks[m_taken++]);
 }
 
-std::size_t SnapshotSender::FindQuality(const ShownBody& body, bool isNear, const Subscription& subscription) const {
+std::size_t SnapshotBudget::FindQuality(const ShownBody& body, bool isNear, const Subscription& subscription) const {
   const float distance = body.body == m_task.ownBody ? 0 : protocol::Length(body.centre - m_viewpoint);
   const std::size_t quality = subscription.coarseness.FindQuality(isNear, FindApparentDistance(distance, body.size));
   return m_isCoarser ? FindCoarserQuality(quality, distance) : quality;
 }
 
-void SnapshotSender::AddBody(const Pick& pick, const ShownBody& shown, const EncodedBody& body,
+void SnapshotBudget::AddBody(const Pick& pick, const ShownBody& shown, const EncodedBody& body,
                              Subscription& subscription) {
   Subscription::Interest& interest = subscription.interests[pick.index];
   std::uint32_t first = 0;
@@ -136,7 +138,7 @@ void SnapshotSender::AddBody(const Pick& pick, const ShownBody& shown, const Enc
   }
 }
 
-void SnapshotSender::SendPacket(Subscription& subscription) {
+void SnapshotBudget::SendPacket(Subscription& subscription) {
   m_task.head.sequence = subscription.sent.RecordSent(m_task.now);
   m_counts.packetsLost += subscription.sent.Lost() - subscription.lossesCounted;
   subscription.lossesCounted = subscription.sent.Lost();
@@ -152,7 +154,7 @@ void SnapshotSender::SendPacket(Subscription& subscription) {
   m_packet.Clear();
 }
 
-void SnapshotSender::Finish(Subscription& subscription) {
+void SnapshotBudget::Finish(Subscription& subscription) {
   const std::size_t leftOut = m_ranks.size() - m_taken;
   m_counts.bodiesLeftOut += leftOut;
   // When there is no body to send, the head goes alone: it keeps clock, time ratio and acknowledgements going. A client

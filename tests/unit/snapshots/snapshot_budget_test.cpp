@@ -1,5 +1,5 @@
 // The choice of bodies for a client: the budget holds, no body starves, the own body goes first.
-#include "server/snapshots/snapshot_sender.h"
+#include "server/snapshots/snapshot_budget.h"
 
 #include <gtest/gtest.h>
 
@@ -33,9 +33,9 @@ class RecordingTransport final : public transport::Transport {
 // What a ball's record takes at each quality, as a share of the finest: 137 to 18 bytes in a crowd on `pitch`.
 constexpr std::array<double, kQualities> kBytesOfQuality{1, 0.8, 0.6, 0.42, 0.3, 0.185, 0.135};
 
-class SnapshotSenderTest : public testing::Test {
+class SnapshotBudgetTest : public testing::Test {
  public:
-  // The sender does not read payloads, so any bytes will do. payloadBytes: at the finest quality.
+  // SnapshotBudget does not read payloads, so any bytes will do. payloadBytes: at the finest quality.
   void AddBody(std::uint32_t id, protocol::Vector3 centre, std::size_t payloadBytes, std::size_t patches = 1) {
     for (std::size_t quality = 0; quality < kQualities; ++quality) {
       Stored& made = stored[id][quality];
@@ -55,8 +55,8 @@ class SnapshotSenderTest : public testing::Test {
     std::erase_if(bodies, [&](const ShownBody& body) { return body.body == id; });
   }
 
-  // Stands in for the SnapshotStore that the sender asks.
-  friend class SnapshotSender;
+  // Stands in for the SnapshotStore that SnapshotBudget asks.
+  friend class SnapshotBudget;
   [[nodiscard]] std::span<const ShownBody> Bodies() const { return bodies; }
   const EncodedBody& Read(std::size_t index, std::size_t quality) {
     ++recordsRead;
@@ -78,7 +78,7 @@ class SnapshotSenderTest : public testing::Test {
                             .creditBytes = creditBytes,
                             .now = tick / 30.0,
                             .download = &download};
-    sender.Send(*this, task, subscription);
+    budget.Spend(*this, task, subscription);
     std::vector<std::uint32_t> sent;
     for (const auto& packet : transport.packets) {
       EXPECT_LE(packet.size(), protocol::kMaxPacketBytes);
@@ -120,7 +120,7 @@ class SnapshotSenderTest : public testing::Test {
   std::map<std::uint32_t, std::size_t> qualities;  // asked for last, by body
   std::vector<ShownBody> bodies;
   RecordingTransport transport;
-  SnapshotSender sender{transport, 250};
+  SnapshotBudget budget{transport, 250};
   Subscription subscription;
   Download download = MakeArrived();
   BodySubset subset;
@@ -133,7 +133,7 @@ class SnapshotSenderTest : public testing::Test {
 
 constexpr double kShare384 = 384e3 / 8 / 30;  // bytes per snapshot at --client-kbit 384 and 30 Hz
 
-TEST_F(SnapshotSenderTest, SendsNoBodyWhoseBlueprintHasNotBeenSent) {
+TEST_F(SnapshotBudgetTest, SendsNoBodyWhoseBlueprintHasNotBeenSent) {
   AddBody(1, {1, 0, 0}, 200);
   AddBody(2, {2, 0, 0}, 200);
   bodies[1].blueprint = 1;
@@ -142,14 +142,14 @@ TEST_F(SnapshotSenderTest, SendsNoBodyWhoseBlueprintHasNotBeenSent) {
   EXPECT_TRUE(Send(kShare384).empty());
 }
 
-TEST_F(SnapshotSenderTest, ASmallWorldGoesOutWhole) {
+TEST_F(SnapshotBudgetTest, ASmallWorldGoesOutWhole) {
   for (std::uint32_t id = 1; id <= 5; ++id) AddBody(id, {static_cast<float>(id), 0, 0}, 200);
   for (int i = 0; i < 100; ++i) EXPECT_EQ(Send(kShare384, 3).size(), 5U);
-  EXPECT_EQ(sender.Counts().bodiesLeftOut, 0U);
-  EXPECT_EQ(sender.Counts().packets, sequence);
+  EXPECT_EQ(budget.Counts().bodiesLeftOut, 0U);
+  EXPECT_EQ(budget.Counts().packets, sequence);
 }
 
-TEST_F(SnapshotSenderTest, TheBudgetHoldsOverTime) {
+TEST_F(SnapshotBudgetTest, TheBudgetHoldsOverTime) {
   for (std::uint32_t id = 1; id <= 60; ++id) AddBody(id, {static_cast<float>(id), 0, 0}, 100 + 13 * (id % 17));
   for (int i = 0; i < 1800; ++i) {
     Send(kShare384, 1);
@@ -157,10 +157,10 @@ TEST_F(SnapshotSenderTest, TheBudgetHoldsOverTime) {
     EXPECT_LE(bytes, kShare384 * (i + 2) + 400 + 60);
   }
   EXPECT_GT(bytes, 0.98 * kShare384 * 1800);  // and the budget is used
-  EXPECT_GT(sender.Counts().bodiesLeftOut, 0U);
+  EXPECT_GT(budget.Counts().bodiesLeftOut, 0U);
 }
 
-TEST_F(SnapshotSenderTest, TheSmallestBudgetHoldsAtTheHighestRateAndStillFeeds) {
+TEST_F(SnapshotBudgetTest, TheSmallestBudgetHoldsAtTheHighestRateAndStillFeeds) {
   // 32 kbit/s at 480 Hz: a share is smaller than a packet's headers.
   const double credit = 32e3 / 8 / 480;
   for (std::uint32_t id = 1; id <= 3; ++id) AddBody(id, {static_cast<float>(id), 0, 0}, 300);
@@ -172,7 +172,7 @@ TEST_F(SnapshotSenderTest, TheSmallestBudgetHoldsAtTheHighestRateAndStillFeeds) 
   EXPECT_GT(times[2], 20 * 5);  // the own body, several times a second
 }
 
-TEST_F(SnapshotSenderTest, EachGetsItsTurnWhenABodysTurnIsEverySecondTick) {
+TEST_F(SnapshotBudgetTest, EachGetsItsTurnWhenABodysTurnIsEverySecondTick) {
   for (std::uint32_t id = 1; id <= 40; ++id) AddBody(id, {static_cast<float>(id), 0, 0}, 20);
   for (std::uint32_t i = 0; i < 60; ++i) {
     subset = {.remainder = i % 2, .divisor = 2};
@@ -191,7 +191,7 @@ TEST_F(SnapshotSenderTest, EachGetsItsTurnWhenABodysTurnIsEverySecondTick) {
   EXPECT_EQ(heads, 30U) << "with nothing to tell no more often than without turns";
 }
 
-TEST_F(SnapshotSenderTest, TheOwnBodyIsNotStarvedByThoseWhoseTurnIsAnotherTick) {
+TEST_F(SnapshotBudgetTest, TheOwnBodyIsNotStarvedByThoseWhoseTurnIsAnotherTick) {
   const double credit = 32e3 / 8 / 60;  // the smallest budget, half of a share at 30 Hz
   for (std::uint32_t id = 1; id <= 40; ++id) AddBody(id, {static_cast<float>(id), 0, 0}, 100);
   std::map<std::uint32_t, int> times;
@@ -202,14 +202,14 @@ TEST_F(SnapshotSenderTest, TheOwnBodyIsNotStarvedByThoseWhoseTurnIsAnotherTick) 
   EXPECT_GT(times[7], 20 * 5);
 }
 
-TEST_F(SnapshotSenderTest, WhatIsNotSentIsNotAskedFor) {
+TEST_F(SnapshotBudgetTest, WhatIsNotSentIsNotAskedFor) {
   for (std::uint32_t id = 1; id <= 500; ++id) AddBody(id, {static_cast<float>(id), 0, 0}, 400);
   std::size_t sent = 0;
   for (int i = 0; i < 100; ++i) sent += Send(kShare384, 1).size();
   EXPECT_EQ(recordsRead, sent);
 }
 
-TEST_F(SnapshotSenderTest, AQuietMinuteBuysNoBurst) {
+TEST_F(SnapshotBudgetTest, AQuietMinuteBuysNoBurst) {
   AddBody(1, {}, 50);
   for (int i = 0; i < 1800; ++i) Send(kShare384, 1);
   for (std::uint32_t id = 2; id <= 100; ++id) AddBody(id, {}, 300);
@@ -218,7 +218,7 @@ TEST_F(SnapshotSenderTest, AQuietMinuteBuysNoBurst) {
   EXPECT_LE(bytes, 2 * kShare384 + 400 + 60);
 }
 
-TEST_F(SnapshotSenderTest, TheOwnBodyIsFirstEachTime) {
+TEST_F(SnapshotBudgetTest, TheOwnBodyIsFirstEachTime) {
   for (std::uint32_t id = 1; id <= 80; ++id) AddBody(id, {static_cast<float>(id), 0, 0}, 200);
   for (int i = 0; i < 300; ++i) {
     const auto sent = Send(kShare384, 57);
@@ -228,7 +228,7 @@ TEST_F(SnapshotSenderTest, TheOwnBodyIsFirstEachTime) {
   }
 }
 
-TEST_F(SnapshotSenderTest, NoBodyWaitsLongerThanAClientRemembers) {
+TEST_F(SnapshotBudgetTest, NoBodyWaitsLongerThanAClientRemembers) {
   // The scene `crowd` with 32 players on it, seen from its middle: 1,000 balls and 32 larger on 60 m by 60 m, all of
   // 162 vertices. A client forgets a body after 30 s.
   std::uint32_t id = 0;
@@ -252,7 +252,7 @@ TEST_F(SnapshotSenderTest, NoBodyWaitsLongerThanAClientRemembers) {
   EXPECT_LT(longest, 15U * 30);
 }
 
-TEST_F(SnapshotSenderTest, NearBodiesComeMoreOftenThanFarOnes) {
+TEST_F(SnapshotBudgetTest, NearBodiesComeMoreOftenThanFarOnes) {
   AddBody(1, {}, 200);
   for (std::uint32_t id = 2; id <= 21; ++id) AddBody(id, {2, 0, 0}, 200);
   for (std::uint32_t id = 22; id <= 41; ++id) AddBody(id, {60, 0, 0}, 600);
@@ -267,7 +267,7 @@ TEST_F(SnapshotSenderTest, NearBodiesComeMoreOftenThanFarOnes) {
   }
 }
 
-TEST_F(SnapshotSenderTest, PrioritiesSurviveRemovals) {
+TEST_F(SnapshotBudgetTest, PrioritiesSurviveRemovals) {
   for (std::uint32_t id = 1; id <= 30; ++id) AddBody(id, {1, 0, 0}, 300);
   for (int i = 0; i < 7; ++i) Send(kShare384);
   std::map<std::uint32_t, float> before;
@@ -286,7 +286,7 @@ TEST_F(SnapshotSenderTest, PrioritiesSurviveRemovals) {
   }
 }
 
-TEST_F(SnapshotSenderTest, ALargeBodysPatchesGoTogether) {
+TEST_F(SnapshotBudgetTest, ALargeBodysPatchesGoTogether) {
   AddBody(1, {}, 1100, 8);
   AddBody(2, {}, 200);
   const auto sent = Send(20000, 1);
@@ -295,7 +295,7 @@ TEST_F(SnapshotSenderTest, ALargeBodysPatchesGoTogether) {
   EXPECT_GE(transport.packets.size(), 8U);
 }
 
-TEST_F(SnapshotSenderTest, WhatRestsIsSentUntilItIsThere) {
+TEST_F(SnapshotBudgetTest, WhatRestsIsSentUntilItIsThere) {
   AddBody(1, {}, 100);
   AddBody(2, {2, 0, 0}, 100);
   bodies[1].restTick = 5;
@@ -310,7 +310,7 @@ TEST_F(SnapshotSenderTest, WhatRestsIsSentUntilItIsThere) {
   EXPECT_EQ(Send(kShare384, 1).size(), 2U) << "and rests somewhere else";
 }
 
-TEST_F(SnapshotSenderTest, WithoutAcknowledgementsWhatRestsComesAgainAndAgain) {
+TEST_F(SnapshotBudgetTest, WithoutAcknowledgementsWhatRestsComesAgainAndAgain) {
   AddBody(1, {}, 100);
   bodies[0].restTick = 5;
   int times = 0;
@@ -319,7 +319,7 @@ TEST_F(SnapshotSenderTest, WithoutAcknowledgementsWhatRestsComesAgainAndAgain) {
   EXPECT_LE(times, 30);
 }
 
-TEST_F(SnapshotSenderTest, AWorldAtRestIsToldByHeadsAlone) {
+TEST_F(SnapshotBudgetTest, AWorldAtRestIsToldByHeadsAlone) {
   for (std::uint32_t id = 1; id <= 20; ++id) {
     AddBody(id, {static_cast<float>(id), 0, 0}, 100, 2);
     bodies.back().restTick = 3;
@@ -335,16 +335,16 @@ TEST_F(SnapshotSenderTest, AWorldAtRestIsToldByHeadsAlone) {
   EXPECT_EQ(transport.packets[0].size(), protocol::kSnapshotHeadBytes);
 }
 
-TEST_F(SnapshotSenderTest, WhatIsOutOfViewIsNotSentButCounted) {
+TEST_F(SnapshotBudgetTest, WhatIsOutOfViewIsNotSentButCounted) {
   AddBody(1, {}, 100);
   AddBody(2, {249, 0, 0}, 100);
   AddBody(3, {0, 251, 0}, 100);
   EXPECT_EQ(Send(kShare384, 1), (std::vector<std::uint32_t>{1, 2}));
-  EXPECT_EQ(sender.Counts().bodiesOutOfView, 1U);
-  EXPECT_EQ(sender.Counts().bodiesLeftOut, 0U);
+  EXPECT_EQ(budget.Counts().bodiesOutOfView, 1U);
+  EXPECT_EQ(budget.Counts().bodiesLeftOut, 0U);
 }
 
-TEST_F(SnapshotSenderTest, FastBodiesComeMoreOftenThanSlowOnes) {
+TEST_F(SnapshotBudgetTest, FastBodiesComeMoreOftenThanSlowOnes) {
   for (std::uint32_t id = 1; id <= 40; ++id) {
     AddBody(id, {30, 0, 0}, 1100);
     bodies.back().speed = id <= 20 ? 8.0F : 0.0F;
@@ -359,14 +359,14 @@ TEST_F(SnapshotSenderTest, FastBodiesComeMoreOftenThanSlowOnes) {
   }
 }
 
-TEST_F(SnapshotSenderTest, QualityFallsWithDistanceAndBeforeTheRate) {
+TEST_F(SnapshotBudgetTest, QualityFallsWithDistanceAndBeforeTheRate) {
   AddBody(1, {}, 100);
   AddBody(2, {5, 0, 0}, 100);
   AddBody(3, {20, 0, 0}, 100);
   AddBody(4, {50, 0, 0}, 100);
   Send(kShare384, 1);
   EXPECT_EQ(qualities, (std::map<std::uint32_t, std::size_t>{{1, 0}, {2, 0}, {3, 2}, {4, 4}}));
-  EXPECT_EQ(sender.Counts().bodiesCoarsened, 2U);
+  EXPECT_EQ(budget.Counts().bodiesCoarsened, 2U);
   // With a crowd all bodies are coarser, near ones no more than to 1 %, and after it finer again.
   for (std::uint32_t id = 5; id <= 60; ++id) AddBody(id, {1, 0, 0}, 200);
   for (int i = 0; i < 40; ++i) Send(kShare384, 1);
@@ -378,7 +378,7 @@ TEST_F(SnapshotSenderTest, QualityFallsWithDistanceAndBeforeTheRate) {
 }
 
 // 24 others around, and many beyond them: what a budget cannot hold.
-TEST_F(SnapshotSenderTest, TheNearestComeInEverySnapshotOfACrowd) {
+TEST_F(SnapshotBudgetTest, TheNearestComeInEverySnapshotOfACrowd) {
   AddBody(1, {}, 133);
   for (std::uint32_t id = 2; id <= 25; ++id) AddBody(id, {0.2F * static_cast<float>(id), 0, 0}, 133);
   for (std::uint32_t id = 26; id <= 128; ++id) AddBody(id, {5 + 0.1F * static_cast<float>(id), 0, 0}, 133);
@@ -400,7 +400,7 @@ TEST_F(SnapshotSenderTest, TheNearestComeInEverySnapshotOfACrowd) {
   for (std::uint32_t id = 26; id <= 128; ++id) EXPECT_GE(times[id], 10) << id << ": one a second";
 }
 
-TEST_F(SnapshotSenderTest, ALargeBodyBesideTheViewerStarvesNoOther) {
+TEST_F(SnapshotBudgetTest, ALargeBodyBesideTheViewerStarvesNoOther) {
   AddBody(1, {}, 100);
   for (std::uint32_t id = 2; id <= 6; ++id) AddBody(id, {static_cast<float>(id), 0, 0}, 1100, 6);
   for (std::uint32_t id = 7; id <= 40; ++id) AddBody(id, {20, 0, 0}, 100);
@@ -411,7 +411,7 @@ TEST_F(SnapshotSenderTest, ALargeBodyBesideTheViewerStarvesNoOther) {
   for (std::uint32_t id = 1; id <= 40; ++id) EXPECT_GE(times[id], 10) << id << ": one a second";
 }
 
-TEST_F(SnapshotSenderTest, WhatLooksLargeIsSentLikeWhatIsNear) {
+TEST_F(SnapshotBudgetTest, WhatLooksLargeIsSentLikeWhatIsNear) {
   AddBody(1, {}, 100);
   AddBody(2, {30, 0, 0}, 100);
   AddBody(3, {30, 0, 0}, 100);
@@ -421,30 +421,30 @@ TEST_F(SnapshotSenderTest, WhatLooksLargeIsSentLikeWhatIsNear) {
   EXPECT_EQ(qualities[3], 0U);
 }
 
-TEST_F(SnapshotSenderTest, AMachineShortOfTimeEncodesEachBodyTwiceAtMost) {
+TEST_F(SnapshotBudgetTest, AMachineShortOfTimeEncodesEachBodyTwiceAtMost) {
   AddBody(1, {}, 20);
   AddBody(2, {5, 0, 0}, 20);
   AddBody(3, {9, 0, 0}, 20);
   AddBody(4, {50, 0, 0}, 20);
-  sender.SetCoarser(true);
+  budget.SetCoarser(true);
   Send(kShare384, 1);
   EXPECT_EQ(qualities, (std::map<std::uint32_t, std::size_t>{{1, 2}, {2, 2}, {3, 4}, {4, 4}}));
-  sender.SetCoarser(false);
+  budget.SetCoarser(false);
   Send(kShare384, 1);
   EXPECT_EQ(qualities, (std::map<std::uint32_t, std::size_t>{{1, 0}, {2, 0}, {3, 0}, {4, 4}}));
 }
 
-TEST_F(SnapshotSenderTest, CountsWhatWasSent) {
+TEST_F(SnapshotBudgetTest, CountsWhatWasSent) {
   AddBody(1, {}, 100);
   stored[1][0].body.errorSquares = 100 * 0.0025 * 0.0025;
   Send(kShare384);
   Send(kShare384);
-  EXPECT_EQ(sender.Counts().vertices, 200U);
-  EXPECT_NEAR(sender.Counts().BitsPerVertex(), 8 * 103 / 100.0, 1e-9);
-  EXPECT_NEAR(sender.Counts().ErrorPercentRms(), 0.25, 1e-9);
+  EXPECT_EQ(budget.Counts().vertices, 200U);
+  EXPECT_NEAR(budget.Counts().BitsPerVertex(), 8 * 103 / 100.0, 1e-9);
+  EXPECT_NEAR(budget.Counts().ErrorPercentRms(), 0.25, 1e-9);
 }
 
-TEST_F(SnapshotSenderTest, AnEmptyWorldIsToldByAHeadAlone) {
+TEST_F(SnapshotBudgetTest, AnEmptyWorldIsToldByAHeadAlone) {
   EXPECT_TRUE(Send(kShare384).empty());
   ASSERT_EQ(transport.packets.size(), 1U);
   EXPECT_EQ(transport.packets[0].size(), protocol::kSnapshotHeadBytes);

@@ -1,9 +1,9 @@
 // Chooses which bodies a client gets in a snapshot, and how exactly, and spends the client's byte budget on them.
 //
-// The player's own body goes first, then the nearest bodies (relevance.h). The priority of the others grows with every
-// snapshot, faster when the body looks large or is fast, until it is sent: they take turns, and none starves (Fiedler,
-// "State Synchronization"). A body at rest is sent until the client has it; a body out of view is not sent, nor one
-// whose blueprint has not been sent.
+// The player's own body goes first, then the nearest bodies (body_priority.h). The priority of the others grows with
+// every snapshot, faster when the body looks large or is fast, until it is sent: they take turns, and none starves
+// (Fiedler, "State Synchronization"). A body at rest is sent until the client has it; a body out of view is not sent,
+// nor one whose blueprint has not been sent.
 //
 // When the budget leaves bodies out, all bodies are coarsened before they are sent less often. That includes the own
 // body: otherwise each player's body would be encoded twice, once for the player and once for everybody else, and an
@@ -51,23 +51,24 @@ struct SendCounts {
 struct SnapshotTask {
   transport::ConnectionId connection = 0;
   std::uint32_t ownBody = 0;           // 0: a spectator, who looks from the origin
-  protocol::SnapshotHead head;         // the sequence number is filled in by the sender
+  protocol::SnapshotHead head;         // the sequence number is filled in when it is sent
   BodySubset subset;                   // the bodies that are due
   double creditBytes = 0;              // by which the client's budget has grown since its last snapshot; above 0
   double now = 0;                      // s
   const Download* download = nullptr;  // the client's
 };
 
-class SnapshotSender {
+class SnapshotBudget {
  public:
-  // transport: outlives the sender. viewDistance: m; bodies farther from the client's viewpoint are not sent.
-  SnapshotSender(transport::Transport& transport, double viewDistance)
+  // transport: outlives this. viewDistance: m; bodies farther from the client's viewpoint are not sent.
+  SnapshotBudget(transport::Transport& transport, double viewDistance)
       : m_transport(transport), m_viewDistance(static_cast<float>(viewDistance)) {}
 
-  // Sends one client its snapshot: asks the store for the records of the bodies that it takes and of no others.
-  // Store: SnapshotStore, or a stand-in of a test with the same Bodies() and Read(index, quality).
+  // Sends one client its snapshot, as much as its budget holds: asks the store for the records of the bodies that it
+  // takes and of no others. Store: SnapshotStore, or a stand-in of a test with the same Bodies() and Read(index,
+  // quality).
   template <class Store>
-  void Send(Store& store, const SnapshotTask& task, Subscription& subscription) {
+  void Spend(Store& store, const SnapshotTask& task, Subscription& subscription) {
     Begin(store.Bodies(), task, subscription);
     while (const auto pick = PickNext(store.Bodies(), subscription)) {
       const EncodedBody& body = store.Read(pick->index, pick->quality);
