@@ -145,7 +145,7 @@ class Server {
   std::string GoToScene(const std::string& name);
   std::string GoToNextScene();
 
-  // server_rule.cpp: what the administration asks for (server/admin). False, where it is returned: no such client is
+  // server_admin.cpp: what the administration asks for (server/admin). False, where it is returned: no such client is
   // in.
   struct Player {
     ClientId client = 0;
@@ -256,7 +256,7 @@ class Server {
   // Lets all who have joined download blueprints that are new or have changed.
   void PublishBlueprints();
 
-  // server_clients.cpp: connections, from their first byte to their goodbye.
+  // server_joins.cpp: connections, from their first byte to their goodbye.
   void TakeEvent(const transport::Event& event, double now);
   void Join(Session& session);
   // False, and it is refused: there is no room.
@@ -302,7 +302,7 @@ class Server {
   // The session's name, changed so that it looks like nobody else's who is in.
   [[nodiscard]] std::string FindFreeName(const Session& session, const std::string& name) const;
 
-  // server_rule.cpp
+  // server_admin.cpp
   // A newcomer who was muted before is muted again.
   void RecallMute(Session& session, double now);
   // Takes mutes back whose time is over.
