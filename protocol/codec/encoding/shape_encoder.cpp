@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "protocol/codec/encoding/departures.h"
-#include "protocol/codec/encoding/shape_writer.h"
+#include "protocol/codec/encoding/coefficient_writer.h"
 
 namespace wobble::protocol {
 

@@ -1,4 +1,4 @@
-#include "protocol/codec/encoding/shape_writer.h"
+#include "protocol/codec/encoding/coefficient_writer.h"
 
 #include <algorithm>
 
