@@ -1,4 +1,4 @@
-// The listening port, the timer and the end; sessions.cpp has the connections.
+// The listening port, the timer and the end; http_connection.cpp has the connections.
 //
 // WebSockets and not WebRTC or WebTransport: a prototype of data channels on Debian's usrsctp showed bodies no earlier
 // over a line with loss than four WebSockets do, because SCTP's congestion control queues what it cannot send, and it
@@ -27,8 +27,8 @@
 #include "client/command/sockets.h"
 #include "client/command/world_list.h"
 #include "client/gateway/addresses.h"
+#include "client/gateway/http_connection.h"
 #include "client/gateway/outbox.h"
-#include "client/gateway/sessions.h"
 #include "client/gateway/watched_files.h"
 
 namespace wobble::gateway {

@@ -5,7 +5,7 @@
 // over the others. Measured over an emulated line, 5 % of packets lost and 100 ms of round trip: EmulatedLines in
 // tests/net/emulator.
 //
-// Includes Boost.Beast: for browser.cpp and sessions.cpp alone.
+// Includes Boost.Beast: for browser_websocket.cpp and http_connection.cpp alone.
 #pragma once
 
 #include <utility>  // before Boost 1.74, which uses std::exchange without it

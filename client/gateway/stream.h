@@ -1,11 +1,11 @@
 // A browser's connection: bytes over TCP, in plain or through TLS.
 //
-// One type for both, so that sessions, players and lanes are compiled once and do not know the difference: a template
+// One type for both, so that visitors, browsers and lanes are compiled once and do not know the difference: a template
 // over the stream would double 28 s of compilation, and TLS in a unit of its own before a pipe would hide from the
 // outboxes what the socket has not sent yet. The socket is the same, with its options; of TLS stands between it and the
 // reader or writer one record at most.
 //
-// Includes Boost.Beast, which takes seconds to compile: for lane.h, browser.h and sessions.cpp alone.
+// Includes Boost.Beast, which takes seconds to compile: for lane.h, browser_websocket.h and http_connection.cpp alone.
 #pragma once
 
 #include <utility>  // before Boost 1.74, which uses std::exchange without it
@@ -72,8 +72,8 @@ class Stream {
   }
 
  private:
-  // One type of buffers and of handlers, for which TCP and TLS are compiled once: Beast comes with a dozen of each, which
-  // took most of the compile time.
+  // One type of buffers and of handlers, for which TCP and TLS are compiled once: Beast comes with a dozen of each,
+  // which took most of the compile time.
   using Done = std::function<void(boost::system::error_code, std::size_t bytes)>;
   template <typename Buffer>
   using Buffers = boost::container::static_vector<Buffer, 16>;

@@ -1,6 +1,6 @@
 // A browser that plays: its WebSocket and its link to the server.
 //
-// Includes Boost.Beast, which takes seconds to compile: for sessions.cpp and browser.cpp alone.
+// Includes Boost.Beast, which takes seconds to compile: for http_connection.cpp and browser_websocket.cpp alone.
 //
 // A browser is read only once its link to the server stands. Until then its messages wait in the system's buffer, so
 // there is no queue here that it could fill. No message of a browser is trusted; every limit ends in a close with a
@@ -20,9 +20,9 @@
 #include <string>
 
 #include "client/command/clock.h"
+#include "client/gateway/http_connection.h"
 #include "client/gateway/lane.h"
 #include "client/gateway/outbox.h"
-#include "client/gateway/sessions.h"
 #include "client/gateway/stream.h"
 #include "protocol/transport/vestibule/handshake.h"
 

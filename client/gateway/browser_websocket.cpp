@@ -1,4 +1,4 @@
-#include "client/gateway/browser.h"
+#include "client/gateway/browser_websocket.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -3,7 +3,7 @@
 // A connection is a Visitor while it asks for files and becomes a Browser when it asks for /play. Pending handlers keep
 // both alive, and the shared list keeps a Browser alive as well. Callbacks rather than coroutines: this Boost has
 // coroutines for one of the two compilers only.
-#include "client/gateway/sessions.h"
+#include "client/gateway/http_connection.h"
 
 #include <algorithm>
 #include <boost/beast/core/detect_ssl.hpp>
@@ -12,7 +12,7 @@
 
 #include "client/command/lan_address.h"
 #include "client/gateway/addresses.h"
-#include "client/gateway/browser.h"
+#include "client/gateway/browser_websocket.h"
 #include "client/gateway/credential.h"
 #include "client/gateway/origin.h"
 #include "client/gateway/stream.h"
