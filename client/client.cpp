@@ -16,10 +16,10 @@
 #include "client/clearance.h"
 #include "client/grounds.h"
 #include "client/input_stream.h"
-#include "client/timing/link_judge.h"
 #include "client/news.h"
 #include "client/own_body.h"
 #include "client/snapshot_receiver.h"
+#include "client/timing/link_judge.h"
 #include "client/world_time.h"
 #include "protocol/text.h"
 

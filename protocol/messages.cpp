@@ -116,11 +116,10 @@ Message MakeWelcome(const WelcomeFields& fields) {
   const auto description =
       fields.description.empty() ? Offset<flatbuffers::String>() : builder.CreateString(fields.description);
   return FinishServerMessage(
-      builder,
-      wire::CreateWelcome(builder, fields.clientId, fields.ownBody, fields.tick, fields.tickHz, fields.snapshotHz,
-                          scene, fields.blueprintCount, obstacles, heightFields, fields.hands, fields.reach, game,
-                          fields.workshop, fields.ownBlueprint, fields.rank,
-                          fields.drive.speed() > 0 ? &fields.drive : nullptr, description, fields.talk));
+      builder, wire::CreateWelcome(builder, fields.clientId, fields.ownBody, fields.tick, fields.tickHz,
+                                   fields.snapshotHz, scene, fields.blueprintCount, obstacles, heightFields,
+                                   fields.hands, fields.reach, game, fields.workshop, fields.ownBlueprint, fields.rank,
+                                   fields.drive.speed() > 0 ? &fields.drive : nullptr, description, fields.talk));
 }
 
 Message MakeBlueprintChunk(std::uint8_t blueprint, std::uint64_t hash, std::uint32_t total, std::uint32_t offset,

@@ -64,7 +64,8 @@ WorldPlan MakeWorldPlan(const WorldsFile& file, const World& world, const fs::pa
 GatewayPlan MakeGatewayPlan(const WorldsFile& file, const fs::path& folder) {
   GatewayPlan plan;
   Values values = file.gateway;
-  plan.port = static_cast<std::uint16_t>(std::strtoul(FindWord(values, "http", std::to_string(plan.port)).c_str(), nullptr, 10));
+  plan.port = static_cast<std::uint16_t>(
+      std::strtoul(FindWord(values, "http", std::to_string(plan.port)).c_str(), nullptr, 10));
   plan.bindAddress = FindWord(values, "bind", plan.bindAddress);
   values.erase("bind");
   const std::string key = FindWord(file.all, "gateway_key", (folder / "gateway.key").string());

@@ -16,8 +16,8 @@ namespace wobble::host {
 // How often parts were ready again after a death.
 [[nodiscard]] unsigned CountRestarts(const std::deque<Part>& parts);
 
-// One line: of the first world, the gateway and the first bots the latest, and what is not as it should be. left: seconds
-// until the end, or infinite.
+// One line: of the first world, the gateway and the first bots the latest, and what is not as it should be. left:
+// seconds until the end, or infinite.
 [[nodiscard]] std::string FormatStatus(const std::deque<Part>& parts, double left);
 
 // What does not run although it is to, one line each. Before the parts are asked to end.

@@ -29,7 +29,9 @@ command::Command DescribePlay(CLI::App& app) {
       ->capture_default_str();
   subcommand->add_option("--page", options->page, "Folder of the page; default: 'page' beside this program")
       ->type_name("DIR");
-  subcommand->add_option("--bots", options->bots, "Bots in the first world: they play where it is a game, and wander elsewhere")
+  subcommand
+      ->add_option("--bots", options->bots,
+                   "Bots in the first world: they play where it is a game, and wander elsewhere")
       ->check(command::Within(0, bots::kMaxBots))
       ->capture_default_str();
   subcommand

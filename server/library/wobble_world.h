@@ -12,8 +12,8 @@
 //
 // Memory: no pointer that you pass is kept after the call. Pointers to a world's memory are valid until the next call
 // that changes that world (all that take a wobble_world* without const). But positions and velocities of a body of a
-// scene's world, not of a recording, stay where they are, and are those of the present, until the body is removed or the
-// world freed.
+// scene's world, not of a recording, stay where they are, and are those of the present, until the body is removed or
+// the world freed.
 //
 // Threads: different threads may use different worlds; several may read one world at a time while none changes it. A
 // step takes as many threads as the options say. The same calls in the same order give the same bits, whatever the

@@ -131,8 +131,9 @@ TEST_F(DoorAttackTest, AFloodOfReliableNumbersPutsItsSenderOut) {
   EXPECT_EQ(honest.CountPlaying(), 8U) << honest.FirstReason();
 }
 
-// 80 forged connects kept everybody out for half a minute; six a second did so for ever. Joins take half a second in the
-// best of three floods: where attackers, server and players share two cores with others, all of them stand still at times.
+// 80 forged connects kept everybody out for half a minute; six a second did so for ever. Joins take half a second in
+// the best of three floods: where attackers, server and players share two cores with others, all of them stand still at
+// times.
 TEST_F(DoorAttackTest, AFloodOfRequestsKeepsNobodyOut) {
   std::vector<double> slowest;
   while (slowest.empty() || (slowest.back() > 0.5 && slowest.size() < 3)) {

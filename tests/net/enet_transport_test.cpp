@@ -85,8 +85,7 @@ TEST(EnetTransportTest, AMessageArrivesWhoseSenderClosesAndEndsAtOnce) {
   EXPECT_EQ(pair.client.SendTo(1, Channel::kControl, {5}), SendResult::kQueued);
   pair.client.transport->Disconnect(1);
   pair.client.transport.reset();
-  EXPECT_TRUE(
-      RunUntil([&] { pair.server.Poll(); }, [&] { return pair.server.Count(Event::Kind::kMessage) == 1; }));
+  EXPECT_TRUE(RunUntil([&] { pair.server.Poll(); }, [&] { return pair.server.Count(Event::Kind::kMessage) == 1; }));
 }
 
 TEST(EnetTransportTest, PortInUseIsNamed) {

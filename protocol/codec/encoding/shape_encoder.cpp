@@ -5,8 +5,8 @@
 #include <cassert>
 #include <numeric>
 
-#include "protocol/codec/encoding/departures.h"
 #include "protocol/codec/encoding/coefficient_writer.h"
+#include "protocol/codec/encoding/departures.h"
 
 namespace wobble::protocol {
 

@@ -12,7 +12,8 @@ void MeasureCurves(Bench& bench);
 void MeasureOtherBodies(Bench& bench);
 // Key bits_at_rest: bodies at rest, measured on a server with a watching client.
 void MeasureRest(Bench& bench);
-// Keys encode_us_per_body (in crowds of 32 of a blueprint), encode_alone_us_per_body, decode_us_per_body: computing time.
+// Keys encode_us_per_body (in crowds of 32 of a blueprint), encode_alone_us_per_body, decode_us_per_body: computing
+// time.
 void MeasureCodecTimes(Bench& bench);
 
 }  // namespace wobble::bench

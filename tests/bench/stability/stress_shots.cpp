@@ -196,11 +196,11 @@ class StressRange {
   StressShot m_shot;
   std::unique_ptr<World> m_world;
   Vector3d m_direction = Vector3d::Zero();
-  double m_radii = 0;    // of both bodies, m
-  double m_nearest = 0;  // that the middles have come, m
-  double m_deepest = 0;  // that a vertex has been inside the other, m
-  double m_ceiling = 0;  // of the target, m
-  double m_sign = 1;     // -1: the shot comes from below
+  double m_radii = 0;                    // of both bodies, m
+  double m_nearest = 0;                  // that the middles have come, m
+  double m_deepest = 0;                  // that a vertex has been inside the other, m
+  double m_ceiling = 0;                  // of the target, m
+  double m_sign = 1;                     // -1: the shot comes from below
   Vector3d m_centre = Vector3d::Zero();  // of the body shot at a sheet, m
   bool m_isBesideFrame = false;          // the middle has crossed the frame's plane outside of it last
 };

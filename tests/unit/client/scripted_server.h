@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "client/client.h"
-#include "protocol/codec/pose.h"
 #include "protocol/codec/encoding/shape_encoder.h"
+#include "protocol/codec/pose.h"
 #include "protocol/snapshot.h"
 
 namespace wobble::client {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "protocol/codec/basis_reader.h"
-#include "protocol/codec/pose.h"
 #include "protocol/codec/encoding/shape_encoder.h"
+#include "protocol/codec/pose.h"
 #include "protocol/codec/shape_codec.h"
 #include "protocol/limits.h"
 #include "protocol/messages.h"
