@@ -57,6 +57,10 @@ enum class ContactPhase : std::uint8_t {
   kAside,     // no force: the face is of a layer that the vertex is behind without having passed it
 };
 
+[[nodiscard]] constexpr bool MayPush(ContactPhase phase) {
+  return phase == ContactPhase::kArmed || phase == ContactPhase::kTouching;
+}
+
 // The side of a skin that a contact's vertex came from. A closed skin has only a front. At an open skin a new contact
 // takes the side that its vertex is on, and changes it only while the vertex is past the border.
 enum class SkinSide : std::uint8_t { kFront, kBack };

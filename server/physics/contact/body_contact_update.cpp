@@ -212,8 +212,7 @@ void UpdateBodyContacts(const ContactParameters<Real>& parameters, const Meeting
     const Real strength = parameters.stickStiffness * std::sqrt(slip.dot(slip));
     if (strength > limit) slip *= limit / strength;
     const bool pushes = Pushes(contact, at);
-    if (contact.phase == ContactPhase::kArmed || contact.phase == ContactPhase::kTouching)
-      contact.phase = pushes ? ContactPhase::kTouching : ContactPhase::kArmed;
+    if (MayPush(contact.phase)) contact.phase = pushes ? ContactPhase::kTouching : ContactPhase::kArmed;
     // A vertex that hangs past a border may come in from beside at any depth, which then nobody has pressed.
     if (!pushes && depth > Real(0) && meeting.skin.topology->isOpen) contact.leap += depth;
     contact.depth = pushes ? depth : std::min(depth, Real(0));

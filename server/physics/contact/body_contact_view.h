@@ -122,8 +122,7 @@ void FadeGap(const Skin<Real>& skin, FacePoint<Real>& at) {
 // Whether the contact exerts force (ContactPhase). at: with the leap added to its distance.
 template <class Real>
 [[nodiscard]] bool Pushes(const BodyContact<Real>& contact, const FacePoint<Real>& at) {
-  const bool mayPush = contact.phase == ContactPhase::kArmed || contact.phase == ContactPhase::kTouching;
-  return mayPush && at.distance < Real(0) && -at.distance <= contact.maxDepth &&
+  return MayPush(contact.phase) && at.distance < Real(0) && -at.distance <= contact.maxDepth &&
          at.weights.minCoeff() >= -static_cast<Real>(kMaxOverhang);
 }
 

@@ -154,8 +154,7 @@ void SystemContacts<Real>::ReadList(std::size_t contact) {
   entry.corners = skin.faces[known.face];
   entry.across = skin.topology->across[known.face];
   block.side[lane] = known.side == SkinSide::kBack ? Real(-1) : Real(1);
-  const bool mayPush = known.phase == ContactPhase::kArmed || known.phase == ContactPhase::kTouching;
-  block.maxDepth[lane] = mayPush ? known.maxDepth : Real(-1);
+  block.maxDepth[lane] = MayPush(known.phase) ? known.maxDepth : Real(-1);
   block.depth[lane] = known.depth;
   block.leap[lane] = known.leap;
   block.touching[lane] = known.phase == ContactPhase::kTouching ? Real(1) : Real(0);
