@@ -39,8 +39,7 @@ template <class Real>
 Outcome FinishBody(const Surroundings& surroundings, const BlueprintSlot& slot, double allowedError,
                    const Member<Real>& member, const IslandOutcome& steps, Body& body) {
   State<Real>& state = *member.state;
-  const bool isFolded = member.load.foldFactor > Real(0);
-  body.invertedTicks = member.insideOut || isFolded ? std::min(body.invertedTicks, kMostInvertedTicks) + 1 : 0;
+  body.invertedTicks = member.insideOut || member.isFolded ? std::min(body.invertedTicks, kMostInvertedTicks) + 1 : 0;
   const bool staysInverted =
       member.insideOut && body.invertedTicks * surroundings.settings.tickDuration > kInvertedTime;
   Outcome outcome{.steps = steps,

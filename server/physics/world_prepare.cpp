@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "server/physics/methods/unfolding.h"
+#include "server/physics/methods/unwinding.h"
 #include "server/physics/pair_search.h"
 #include "server/physics/step/control.h"
 #include "server/physics/step/losses.h"
@@ -28,17 +29,39 @@ void AddDrives(const Surroundings& surroundings, BodyId body, Member<Real>& memb
   member.load.pushes = member.pushes;
 }
 
-// Ticks between two looks at the cells of a lattice that was not folded at the last: a look at one that is badly out of
-// shape costs a fifth of its tick.
+// Ticks between two looks at a body that was not folded at the last: a look at a lattice that is badly out of shape
+// costs a fifth of its tick.
 constexpr std::uint32_t kFoldLookTicks = 8;
 
 // A cell that is cut through has no volume to keep. Which ones these are is known when the body has been rebuilt.
 template <class Real>
-bool IsFolded(const Coefficients<Real>& coefficients, std::uint32_t tick, const Body& body, const State<Real>& state) {
-  if (coefficients.cells.first.empty()) return false;
-  if (body.invertedTicks == 0 && (tick + body.id) % kFoldLookTicks != 0) return false;
-  return std::ranges::all_of(state.torn, [](std::uint8_t torn) { return torn == 0; }) &&
-         HasFolds<Real>(coefficients.cells, state.positions);
+bool HasLostShape(const Coefficients<Real>& coefficients, const State<Real>& state) {
+  if (std::ranges::any_of(state.torn, [](std::uint8_t torn) { return torn != 0; })) return false;
+  if (!coefficients.cells.first.empty()) return HasFolds<Real>(coefficients.cells, state.positions);
+  return FindTurningNumber<Real>(coefficients.outline, state.positions) > 1;
+}
+
+// Of rings those of one layer: the others have springs across their skin that hold them open.
+template <class Real>
+bool MayFold(const Coefficients<Real>& coefficients) {
+  return !coefficients.cells.first.empty() ||
+         (!coefficients.outline.empty() && coefficients.outline.size() == coefficients.masses.size());
+}
+
+// Adds what brings a body back to its shape, if it is folded.
+template <class Real>
+void AddRecovery(const Surroundings& surroundings, const Coefficients<Real>& coefficients, const Body& body,
+                 const State<Real>& state, Member<Real>& member) {
+  const bool isLookDue = body.invertedTicks > 0 || (surroundings.tick + body.id) % kFoldLookTicks == 0;
+  member.isFolded = isLookDue && MayFold(coefficients) && HasLostShape(coefficients, state);
+  if (!member.isFolded) return;
+  if (!coefficients.cells.first.empty()) {
+    member.load.foldFactor = member.load.stiffnessFactor * static_cast<Real>(FindFoldStrength(surroundings.time));
+    return;
+  }
+  const auto forces = FindUnwinding<Real>(coefficients, state.positions);
+  member.pushes.insert(member.pushes.end(), forces.begin(), forces.end());
+  member.load.pushes = member.pushes;
 }
 
 }  // namespace
@@ -70,9 +93,7 @@ void PrepareMember(const Surroundings& surroundings, const Blueprint& blueprint,
   }
   ApplyLosses<Real>(blueprint, member.surfaces, settings.tickDuration, scratch.gradient, state);
   const Coefficients<Real>& coefficients = blueprint.Read<Real>();
-  if (IsFolded(coefficients, surroundings.tick, body, state)) {
-    member.load.foldFactor = member.load.stiffnessFactor * static_cast<Real>(FindFoldStrength(surroundings.time));
-  }
+  AddRecovery(surroundings, coefficients, body, state, member);
   member.survey = MakeSurvey<Real>(coefficients.masses, state.positions, state.velocities);
   FindContacts<Real>({.surfaces = member.surfaces,
                       .x = state.positions,

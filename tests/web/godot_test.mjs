@@ -137,7 +137,8 @@ describe('the client in GDScript', { concurrency: true }, () => {
     const gone = Math.hypot(places.at(-1)[0] - places[0][0], places.at(-1)[1] - places[0][1]);
     assert.ok(gone > 0.5, `it went ${gone} m`);
     assert.equal(places.at(-1)[3], most);
-    const farthest = (way) => Math.max(...places.map((place) => findDistance(place, way)));
+    // The farthest but one: a client that waits for the processor while it plays shows one place ahead of the server's.
+    const farthest = (way) => places.map((place) => findDistance(place, way)).sort((a, b) => b - a)[1];
     const distances = [...ways.values()].map(farthest).sort((a, b) => a - b);
     console.log(`it went ${gone.toFixed(2)} m; ${distances[0].toFixed(3)} m beside what another client saw`);
     assert.ok(distances[0] < 0.05, `${distances[0]} m`); // its own body's way; no other body's is near

@@ -9,8 +9,8 @@
 // balls have no friction, as edge_contact.h says why. Bodies without faces meet themselves by their rods, planar ones
 // by their border.
 //
-// A body whose edges are first seen deep in one another (broken, or put so) is tangled, and has no such contacts until
-// it has come apart by its other forces: contacts would hold the tangle.
+// A body whose edges are first seen deep in one another (broken, or put so), or cross in its plane, is tangled, and has
+// no such contacts until it has come apart by its other forces: contacts would hold the tangle.
 //
 // What is joined must be free to bend, so only edges that are apart by more than kSelfApartShare d at rest meet.
 #pragma once

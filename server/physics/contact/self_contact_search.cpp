@@ -22,6 +22,9 @@ constexpr double kFar = 1e12;
 
 // Edges that are first seen nearer than this share of the distance of touching have not come there from outside.
 constexpr double kTangledShare = 0.5;
+// Edges of a known contact that are nearer than this share cross one another in their plane: they have passed, and no
+// sense is left in which the contact could push.
+constexpr double kCrossedShare = 1e-3;
 
 template <class Real>
 using Column = Eigen::Map<const Eigen::Array<Real, Eigen::Dynamic, 1>>;
@@ -198,7 +201,7 @@ Real FindSelfContacts(const ContactParameters<Real>& parameters, const EdgeMeeti
     const Real distance = std::abs(view.distance);
     least = std::min(least, distance);
     if (distance > FindReachOf(meeting, search, first, second)) continue;
-    isTangled |= known == nullptr && distance < static_cast<Real>(kTangledShare) * meeting.radius;
+    isTangled |= distance < static_cast<Real>(known == nullptr ? kTangledShare : kCrossedShare) * meeting.radius;
     scratch.contacts.push_back(known != nullptr ? *known : MakeEdgeContact(parameters, meeting, first, second, view));
   }
   contacts.swap(scratch.contacts);

@@ -44,6 +44,7 @@ struct Member {
   Survey<Real> survey;                    // at the begin of the tick; of a sleeping body when it fell asleep
   SurfaceDemands demands;                 // of the listed contacts with surfaces
   int substepsForError = 1;               // that the errors of the last ticks ask for
+  bool isFolded = false;                  // as the tick begins: cells of a lattice, or an outline that goes round twice
   // Written by the step:
   double error = 0;               // estimated, of the last try, RMS over vertices, m
   bool insideOut = false;         // at the end of the last try: a closed body with gas encloses no volume
