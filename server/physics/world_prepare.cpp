@@ -26,26 +26,22 @@ void AddDrives(const Surroundings& surroundings, BodyId body, Member<Real>& memb
   for (const StepForce& each : FindForcesOn(body, surroundings.stepForces)) {
     member.pushes.push_back({each.force.vertex, each.force.force.template cast<Real>()});
   }
-  member.load.pushes = member.pushes;
 }
 
 // Ticks between two looks at a body that was not folded at the last: a look at a lattice that is badly out of shape
 // costs a fifth of its tick.
 constexpr std::uint32_t kFoldLookTicks = 8;
 
-// A cell that is cut through has no volume to keep. Which ones these are is known when the body has been rebuilt.
+// A cell that is cut through has no volume to keep. Which ones these are is known when the body has been rebuilt. Of
+// rings only those of one layer are looked at: the others have springs across their skin.
 template <class Real>
 bool HasLostShape(const Coefficients<Real>& coefficients, const State<Real>& state) {
+  const bool isLattice = !coefficients.cells.first.empty();
+  const bool isRing = coefficients.outline.size() == coefficients.masses.size();
+  if (!isLattice && !isRing) return false;
   if (std::ranges::any_of(state.torn, [](std::uint8_t torn) { return torn != 0; })) return false;
-  if (!coefficients.cells.first.empty()) return HasFolds<Real>(coefficients.cells, state.positions);
-  return FindTurningNumber<Real>(coefficients.outline, state.positions) > 1;
-}
-
-// Of rings those of one layer: the others have springs across their skin that hold them open.
-template <class Real>
-bool MayFold(const Coefficients<Real>& coefficients) {
-  return !coefficients.cells.first.empty() ||
-         (!coefficients.outline.empty() && coefficients.outline.size() == coefficients.masses.size());
+  return isLattice ? HasFolds<Real>(coefficients.cells, state.positions)
+                   : FindTurningNumber<Real>(coefficients.outline, state.positions) > 1;
 }
 
 // Adds what brings a body back to its shape, if it is folded.
@@ -53,7 +49,7 @@ template <class Real>
 void AddRecovery(const Surroundings& surroundings, const Coefficients<Real>& coefficients, const Body& body,
                  const State<Real>& state, Member<Real>& member) {
   const bool isLookDue = body.invertedTicks > 0 || (surroundings.tick + body.id) % kFoldLookTicks == 0;
-  member.isFolded = isLookDue && MayFold(coefficients) && HasLostShape(coefficients, state);
+  member.isFolded = isLookDue && HasLostShape(coefficients, state);
   if (!member.isFolded) return;
   if (!coefficients.cells.first.empty()) {
     member.load.foldFactor = member.load.stiffnessFactor * static_cast<Real>(FindFoldStrength(surroundings.time));
@@ -61,7 +57,6 @@ void AddRecovery(const Surroundings& surroundings, const Coefficients<Real>& coe
   }
   const auto forces = FindUnwinding<Real>(coefficients, state.positions);
   member.pushes.insert(member.pushes.end(), forces.begin(), forces.end());
-  member.load.pushes = member.pushes;
 }
 
 }  // namespace
@@ -94,6 +89,7 @@ void PrepareMember(const Surroundings& surroundings, const Blueprint& blueprint,
   ApplyLosses<Real>(blueprint, member.surfaces, settings.tickDuration, scratch.gradient, state);
   const Coefficients<Real>& coefficients = blueprint.Read<Real>();
   AddRecovery(surroundings, coefficients, body, state, member);
+  member.load.pushes = member.pushes;
   member.survey = MakeSurvey<Real>(coefficients.masses, state.positions, state.velocities);
   FindContacts<Real>({.surfaces = member.surfaces,
                       .x = state.positions,

@@ -71,11 +71,12 @@ std::array<VertexForce<Real>, 3> FindUnwinding(const Coefficients<Real>& body, s
   const Real outSquare = out.dot(out);
   const Real inSquare = in.dot(in);
   torque *= std::min({Real(1), std::sqrt(outSquare) / floor, std::sqrt(inSquare) / floor});
-  const auto across = [](const Vector3<Real>& edge) { return Vector3<Real>(-edge.z(), 0, edge.x()); };
-  const Vector3<Real> onNext =
-      outSquare > Real(0) ? Vector3<Real>(torque / outSquare * across(out)) : Vector3<Real>::Zero();
-  const Vector3<Real> onLast =
-      inSquare > Real(0) ? Vector3<Real>(torque / inSquare * across(in)) : Vector3<Real>::Zero();
+  const auto pushAcross = [torque](const Vector3<Real>& edge, Real square) -> Vector3<Real> {
+    if (!(square > Real(0))) return Vector3<Real>::Zero();
+    return torque / square * Vector3<Real>(-edge.z(), 0, edge.x());
+  };
+  const Vector3<Real> onNext = pushAcross(out, outSquare);
+  const Vector3<Real> onLast = pushAcross(in, inSquare);
   return {{{outline[sharpest][1], onNext}, {outline[last][0], onLast}, {outline[sharpest][0], -onNext - onLast}}};
 }
 
