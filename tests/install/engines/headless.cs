@@ -1,6 +1,6 @@
 // Plays with what Unity uses (client/engines/unity), without Unity: headless.exe HOST:PORT SECONDS [PASSWORD]. Prints
-// twice a second where its body is. Exit code 2: sent away; 3: its name did not come back as it was sent; 4: its goodbye
-// had no answer.
+// twice a second where its body is, from when it first has one: on a busy machine Mono needs a second to compile and to
+// join. Exit code 2: sent away; 3: its name did not come back as it was sent; 4: its goodbye had no answer.
 using System;
 using System.Diagnostics;
 using System.Runtime.InteropServices;
@@ -23,7 +23,7 @@ static class Headless
 
     static int Play(string[] words, double seconds)
     {
-        double printed = 0;
+        double begun = double.PositiveInfinity, printed = 0; // begun: when it first had a body
         var clock = Stopwatch.StartNew();
         using (var player = new WobblePlayer(words[0], "münchen", words.Length > 2 ? words[2] : null, 0))
         {
@@ -31,7 +31,7 @@ static class Headless
             for (; player.Update(clock.Elapsed.TotalSeconds); Thread.Sleep(15))
             {
                 double now = clock.Elapsed.TotalSeconds;
-                if (now > seconds)
+                if (now - begun > seconds)
                 {
                     player.Leave(now);
                     if (player.Status.state != WobbleNative.Ended) return 4;
@@ -43,8 +43,12 @@ static class Headless
                 player.Sample(now);
                 if (now < printed + 0.5) continue;
                 foreach (WobbleNative.Body body in player.Bodies)
-                    if (body.body == player.Status.ownBody) Print(body, player.Bodies.Count);
-                printed = now;
+                    if (body.body == player.Status.ownBody)
+                    {
+                        Print(body, player.Bodies.Count);
+                        begun = Math.Min(begun, now);
+                        printed = now;
+                    }
             }
             if (player.Status.endedUnasked != 0) Console.Error.WriteLine("headless: " + player.Reason);
             return player.Status.endedUnasked != 0 ? 2 : hasJoined ? 0 : 3;
