@@ -7,7 +7,7 @@
 #include <iterator>
 
 #include "server/physics/contact/skin_gap.h"
-#include "server/physics/kernels/contact_limits.h"
+#include "server/physics/kernels/contact/contact_limits.h"
 
 namespace wobble::physics {
 namespace {

@@ -1,12 +1,12 @@
 // The plain law of body contacts: forces, energy, and what contacts ask of the step. In an island the lanes compute the
-// forces (kernels/body_contact_kernel.h) and leave one contact in a hundred to this code.
+// forces (kernels/contact/body_contact_kernel.h) and leave one contact in a hundred to this code.
 #include "server/physics/contact/body_contact.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "server/physics/contact/body_contact_view.h"
-#include "server/physics/kernels/contact_limits.h"
+#include "server/physics/kernels/contact/contact_limits.h"
 
 namespace wobble::physics {
 namespace {

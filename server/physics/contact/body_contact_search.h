@@ -6,7 +6,7 @@
 
 #include "server/physics/contact/body_contact.h"
 #include "server/physics/contact/skin_points.h"
-#include "server/physics/kernels/point_lanes.h"
+#include "server/physics/kernels/contact/point_lanes.h"
 #include "server/physics/model/bounds.h"
 
 namespace wobble::physics {

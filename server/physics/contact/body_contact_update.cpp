@@ -1,13 +1,13 @@
 // Faces are searched for once a tick and followed after each substep: a point inside keeps the face that it came in
 // through and slides from face to face, a point outside belongs to the nearest one (face_search.h). In an island the
-// lanes do the same for contacts that stay on their face (kernels/body_contact_kernel.h).
+// lanes do the same for contacts that stay on their face (kernels/contact/body_contact_kernel.h).
 #include "server/physics/contact/body_contact_update.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "server/physics/contact/body_contact_view.h"
-#include "server/physics/kernels/contact_limits.h"
+#include "server/physics/kernels/contact/contact_limits.h"
 
 namespace wobble::physics {
 namespace {

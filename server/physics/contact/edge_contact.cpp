@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/physics/kernels/contact_limits.h"
+#include "server/physics/kernels/contact/contact_limits.h"
 
 namespace wobble::physics {
 namespace {

@@ -11,7 +11,7 @@
 #include <limits>
 
 #include "server/physics/contact/face_ring.h"
-#include "server/physics/kernels/contact_limits.h"
+#include "server/physics/kernels/contact/contact_limits.h"
 #include "server/physics/lanes/vertex_rows.h"
 
 namespace wobble::physics {

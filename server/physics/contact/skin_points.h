@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "server/physics/contact/face_search.h"
-#include "server/physics/kernels/point_lanes.h"
+#include "server/physics/kernels/contact/point_lanes.h"
 
 namespace wobble::physics {
 

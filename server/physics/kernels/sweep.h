@@ -13,11 +13,11 @@
 
 #include <cstdint>
 
-#include "server/physics/kernels/body_contact_lanes.h"
-#include "server/physics/kernels/contact_lanes.h"
+#include "server/physics/kernels/contact/body_contact_lanes.h"
+#include "server/physics/kernels/contact/contact_lanes.h"
+#include "server/physics/kernels/contact/plane_lanes.h"
+#include "server/physics/kernels/contact/point_lanes.h"
 #include "server/physics/kernels/grid.h"
-#include "server/physics/kernels/plane_lanes.h"
-#include "server/physics/kernels/point_lanes.h"
 #include "server/physics/kernels/sweep_tables.h"
 
 namespace wobble::physics {

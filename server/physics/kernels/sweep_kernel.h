@@ -1,11 +1,11 @@
 // The sweep of packs (sweep.h). Compiled once for each instruction set.
 #pragma once
 
-#include "server/physics/kernels/body_contact_kernel.h"
-#include "server/physics/kernels/contact_kernel.h"
+#include "server/physics/kernels/contact/body_contact_kernel.h"
+#include "server/physics/kernels/contact/contact_kernel.h"
+#include "server/physics/kernels/contact/plane_kernel.h"
+#include "server/physics/kernels/contact/point_kernel.h"
 #include "server/physics/kernels/grid_kernel.h"
-#include "server/physics/kernels/plane_kernel.h"
-#include "server/physics/kernels/point_kernel.h"
 #include "server/physics/kernels/rare_terms.h"
 #include "server/physics/kernels/solid_terms.h"
 #include "server/physics/kernels/sweep.h"

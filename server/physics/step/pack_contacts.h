@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/kernels/contact_lanes.h"
+#include "server/physics/kernels/contact/contact_lanes.h"
 #include "server/physics/step/member.h"
 #include "server/physics/step/pack_planes.h"
 

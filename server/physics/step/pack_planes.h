@@ -1,5 +1,5 @@
-// Contacts of a pack's bodies with planes, in the pack's own lanes (kernels/plane_lanes.h). While the pack is stepped,
-// the current state of its contacts is here; WriteBack copies it to the members' own lists at the end.
+// Contacts of a pack's bodies with planes, in the pack's own lanes (kernels/contact/plane_lanes.h). While the pack is
+// stepped, the current state of its contacts is here; WriteBack copies it to the members' own lists at the end.
 //
 // Gathering them into a list, as for other surfaces (pack_contacts.h), took three times as long for bodies that touch
 // the plane with the same vertices, and no less time for bodies that touch it each with others.
@@ -8,7 +8,7 @@
 #include <array>
 #include <vector>
 
-#include "server/physics/kernels/plane_lanes.h"
+#include "server/physics/kernels/contact/plane_lanes.h"
 #include "server/physics/step/member.h"
 
 namespace wobble::physics {

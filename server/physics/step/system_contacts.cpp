@@ -11,7 +11,7 @@
 #include <bit>
 
 #include "server/physics/contact/body_contact_update.h"
-#include "server/physics/kernels/contact_limits.h"
+#include "server/physics/kernels/contact/contact_limits.h"
 #include "server/physics/lanes/vertex_rows.h"
 
 namespace wobble::physics {

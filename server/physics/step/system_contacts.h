@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "server/physics/contact/body_contact.h"
-#include "server/physics/kernels/body_contact_lanes.h"
+#include "server/physics/kernels/contact/body_contact_lanes.h"
 #include "server/physics/model/parallel.h"
 #include "server/physics/step/member.h"
 

@@ -4,7 +4,7 @@
 // a walk from vertex to vertex, which goes astray on a folded skin.
 #pragma once
 
-#include "server/physics/kernels/point_lanes.h"
+#include "server/physics/kernels/contact/point_lanes.h"
 #include "server/physics/lanes/lanes.h"
 
 namespace wobble::physics {

@@ -4,9 +4,9 @@
 // kept above zero by bounds that no intact face or force comes near, so that a crushed face gives finite numbers.
 #pragma once
 
-#include "server/physics/kernels/body_contact_lanes.h"
-#include "server/physics/kernels/contact_kernel.h"
-#include "server/physics/kernels/contact_limits.h"
+#include "server/physics/kernels/contact/body_contact_lanes.h"
+#include "server/physics/kernels/contact/contact_kernel.h"
+#include "server/physics/kernels/contact/contact_limits.h"
 #include "server/physics/lanes/lanes.h"
 
 namespace wobble::physics {

@@ -3,7 +3,7 @@
 // Without branches: a vertex outside has depth 0, so no normal force, so no friction.
 #pragma once
 
-#include "server/physics/kernels/contact_lanes.h"
+#include "server/physics/kernels/contact/contact_lanes.h"
 #include "server/physics/lanes/lanes.h"
 
 namespace wobble::physics {

@@ -1,8 +1,8 @@
 // Contacts of a pack with planes on vectors (plane_lanes.h). Compiled once for each instruction set.
 #pragma once
 
-#include "server/physics/kernels/contact_kernel.h"
-#include "server/physics/kernels/plane_lanes.h"
+#include "server/physics/kernels/contact/contact_kernel.h"
+#include "server/physics/kernels/contact/plane_lanes.h"
 
 #define WOBBLE_INLINE static inline __attribute__((always_inline))
 

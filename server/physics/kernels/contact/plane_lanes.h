@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "server/physics/kernels/contact_lanes.h"
+#include "server/physics/kernels/contact/contact_lanes.h"
 
 namespace wobble::physics {
 
