@@ -1,5 +1,4 @@
-// The plain law of edge contacts. There is no other: such contacts are few, since only small bodies have rods, and
-// sharp edges are listed only where they cross.
+// The plain law of edge contacts. There is no other: such contacts are few, since only small bodies have them.
 #include "server/physics/contact/edge_contact.h"
 
 #include <algorithm>
@@ -22,11 +21,11 @@ constexpr double kCrossingSine = 0.3;
 // Sine of the angle by which an edge may look into a face and still look out: of two sheets laid flat on one another
 // the borders do, or do not, by rounding.
 constexpr double kOutSlack = 0.02;
-// The same for edges that a tick may turn out, 30°.
-constexpr double kTurnSlack = 0.5;
 // Distance beyond the other's axis from which on two sharp edges do not act, as a share of the shorter one: deeper in,
 // vertices are behind faces and know the way out. Of 1,000 random worlds fewer triangles intersect with it (by 4 %).
 constexpr double kDeepestShare = 0.25;
+// The same for edges that a tick may turn out, 30°.
+constexpr double kTurnSlack = 0.5;
 // Most substeps that a fast contact asks for, so that it does not pass the other's axis within one.
 constexpr int kMostFastSubsteps = 16;
 
