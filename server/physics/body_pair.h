@@ -37,8 +37,7 @@ struct BodyPair {
     const auto touches = [](const BodyContact<Real>& contact) { return contact.phase == ContactPhase::kTouching; };
     return std::any_of(sides[0].begin(), sides[0].end(), touches) ||
            std::any_of(sides[1].begin(), sides[1].end(), touches) ||
-           std::any_of(edges.begin(), edges.end(),
-                       [](const EdgeContact<Real>& contact) { return contact.phase == EdgePhase::kTouching; });
+           std::any_of(edges.begin(), edges.end(), [](const EdgeContact<Real>& contact) { return contact.touching; });
   }
 };
 

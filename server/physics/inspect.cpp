@@ -139,8 +139,8 @@ Meeting<Real> Meet(const Subject<Real>& ofVertices, const Subject<Real>& ofFaces
 }
 
 template <class Real>
-EdgeMeeting<Real> MeetEdges(const Subject<Real>& first, const Subject<Real>& second, double gap) {
-  return MakeEdgeMeeting<Real>(first.blueprint, first.state, second.blueprint, second.state, gap);
+EdgeMeeting<Real> MeetEdges(const Subject<Real>& first, const Subject<Real>& second) {
+  return MakeEdgeMeeting<Real>(first.blueprint, first.state, second.blueprint, second.state);
 }
 
 // Of mass, in the world, m.
@@ -180,9 +180,8 @@ void AddBodyContacts(const BodyPair<Real>& pair, const Subject<Real>& subject, s
   }
   AddCore(pair.core, subject, other, forces);
   std::vector<EdgeForce<Real>> ofEdges(pair.edges.size());
-  ComputeEdgeContacts<Real>(both,
-                            ofSubject == 0 ? MeetEdges(subject, other, pair.gap) : MeetEdges(other, subject, pair.gap),
-                            pair.edges, ofEdges);
+  ComputeEdgeContacts<Real>(both, ofSubject == 0 ? MeetEdges(subject, other) : MeetEdges(other, subject), pair.edges,
+                            ofEdges);
   for (const EdgeForce<Real>& force : ofEdges) {
     if (!force.acts) continue;
     for (const std::size_t end : {0U, 1U}) add(force.vertices[2 * ofSubject + end], force.forces[2 * ofSubject + end]);

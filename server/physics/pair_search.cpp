@@ -293,27 +293,25 @@ void PairSearch<Real>::MeetEdges(BodyPair<Real>& pair) {
   const Member<Real>& first = m_work.members[pair.places[0]];
   const Member<Real>& second = m_work.members[pair.places[1]];
   Scratch<Real>& scratch = m_work.scratch.local();
-  EdgeSearch<Real> search{.first = first.survey.bounds,
-                          .second = second.survey.bounds,
-                          .margin = static_cast<Real>(kNearMargin),
-                          .duration = static_cast<Real>(m_duration)};
-  if (MeetByRods(*first.blueprint, *second.blueprint)) {
-    ListBehind<Real>(second.blueprint->topology, first.blueprint->rodRadius, pair.sides[0], scratch.firstBehind);
-    ListBehind<Real>(first.blueprint->topology, second.blueprint->rodRadius, pair.sides[1], scratch.secondBehind);
-    search.firstBehind = scratch.firstBehind;
-    search.secondBehind = scratch.secondBehind;
-    search.skinOfFirst = SeeSkin<Real>(*first.blueprint, pair.sides[1]);
-    search.skinOfSecond = SeeSkin<Real>(*second.blueprint, pair.sides[0]);
-  }
-  FindEdgeContacts<Real>(FindParameters(first, second), MakeEdgeMeeting<Real>(first, second, pair.gap), search,
-                         pair.edges, scratch.edgeSearch);
+  ListBehind<Real>(second.blueprint->topology, first.blueprint->rodRadius, pair.sides[0], scratch.firstBehind);
+  ListBehind<Real>(first.blueprint->topology, second.blueprint->rodRadius, pair.sides[1], scratch.secondBehind);
+  const EdgeSearch<Real> search{.first = first.survey.bounds,
+                                .second = second.survey.bounds,
+                                .margin = static_cast<Real>(kNearMargin),
+                                .duration = static_cast<Real>(m_duration),
+                                .firstBehind = scratch.firstBehind,
+                                .secondBehind = scratch.secondBehind,
+                                .skinOfFirst = SeeSkin<Real>(*first.blueprint, pair.sides[1]),
+                                .skinOfSecond = SeeSkin<Real>(*second.blueprint, pair.sides[0])};
+  FindEdgeContacts<Real>(FindParameters(first, second), MakeEdgeMeeting<Real>(first, second), search, pair.edges,
+                         scratch.edgeSearch);
 }
 
 template <class Real>
 void PairSearch<Real>::MeetSelf(BodyPair<Real>& pair) {
   const std::uint32_t place = pair.places[0];
   const Member<Real>& member = m_work.members[place];
-  const Real room = FindSelfContacts<Real>(FindParameters(member, member), MakeEdgeMeeting<Real>(member, member, 0),
+  const Real room = FindSelfContacts<Real>(FindParameters(member, member), MakeEdgeMeeting<Real>(member, member),
                                            MakeSelfSearch(member), pair.edges, m_work.scratch.local().selfSearch);
   m_table.bodies[place].selfRoom = std::max(0.0, double{room});
   // On its way back a body that is inside out or folded goes through itself.

@@ -140,7 +140,7 @@ std::string CheckSide(const Blueprint& vertices, const Blueprint& faces, const s
 template <class Real>
 std::string CheckEdges(std::size_t first, std::size_t second, const std::vector<EdgeContact<Real>>& edges) {
   const auto isKnown = [&](const EdgeContact<Real>& contact) {
-    return contact.first < first && contact.second < second && contact.phase <= EdgePhase::kTurned;
+    return contact.first < first && contact.second < second;
   };
   const auto isInOrder = [](const auto& a, const auto& b) { return !IsListedBefore(a, b); };
   return FindFirst(Unless(std::ranges::all_of(edges, isKnown), "pair.edges", edges.size(), "of edges that there are"),
@@ -156,8 +156,8 @@ std::string CheckPair(const Inspection& subject, const BodyPair<Real>& pair) {
     return Unless(false, "pair.second", pair.second, "a body of the world, as the first, which is not behind it");
   const Blueprint& ofFirst = subject.BlueprintOf(*first);
   const Blueprint& ofSecond = subject.BlueprintOf(*second);
-  const std::size_t edges = pair.IsSelf() ? ofFirst.selfEdges.size() : FindMeetingEdges(ofFirst, ofSecond).size();
-  const std::size_t secondEdges = pair.IsSelf() ? edges : FindMeetingEdges(ofSecond, ofFirst).size();
+  const std::size_t edges = pair.IsSelf() ? ofFirst.selfEdges.size() : FindMeetingEdges(ofFirst).size();
+  const std::size_t secondEdges = pair.IsSelf() ? edges : FindMeetingEdges(ofSecond).size();
   const bool hasSides = !pair.sides[0].empty() || !pair.sides[1].empty();
   const bool isCore = std::isfinite(pair.core.stiffness) && pair.core.stiffness >= 0;
   const bool isGap = pair.gap >= 0 && pair.gap <= kLargestGap;

@@ -82,8 +82,8 @@ void FinishContactPair(const ContactPair<Real>& contactPair, std::span<const std
     *contactPair.core = {};
   }
   if (a == b) return;
-  const bool touch = std::any_of(contactPair.edges->begin(), contactPair.edges->end(),
-                                 [](const auto& each) { return each.phase == EdgePhase::kTouching; });
+  const bool touch =
+      std::any_of(contactPair.edges->begin(), contactPair.edges->end(), [](const auto& each) { return each.touching; });
   bodies[a].touchesBody |= touch;
   bodies[b].touchesBody |= touch;
 }

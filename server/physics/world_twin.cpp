@@ -56,10 +56,10 @@ BodyContact<To> Convert(const BodyContact<From>& from) {
 
 template <class To, class From>
 EdgeContact<To> Convert(const EdgeContact<From>& from) {
-  const auto& [first, second, phase, depth, leap, s, t, normal, slip] = from;
+  const auto& [first, second, touching, depth, leap, s, t, normal, slip] = from;
   return {.first = first,
           .second = second,
-          .phase = phase,
+          .touching = touching,
           .depth = static_cast<To>(depth),
           .leap = static_cast<To>(leap),
           .s = static_cast<To>(s),

@@ -17,8 +17,6 @@ namespace wobble::recording {
 template <>
 inline constexpr auto kLast<physics::ContactPhase> = physics::ContactPhase::kAside;
 template <>
-inline constexpr auto kLast<physics::EdgePhase> = physics::EdgePhase::kTurned;
-template <>
 inline constexpr auto kLast<physics::SkinSide> = physics::SkinSide::kBack;
 template <>
 inline constexpr auto kLast<server::Match::Phase> = server::Match::Phase::kOver;
@@ -75,8 +73,8 @@ void Describe(Archive& archive, Value& value) {
 template <class Archive, class Value>
 requires Is<Value, EdgeContact<float>> || Is<Value, EdgeContact<double>>
 void Describe(Archive& archive, Value& value) {
-  auto& [first, second, phase, depth, leap, s, t, normal, slip] = value;
-  archive(first, second, phase, depth, leap, s, t, normal, slip);
+  auto& [first, second, touching, depth, leap, s, t, normal, slip] = value;
+  archive(first, second, touching, depth, leap, s, t, normal, slip);
 }
 
 // The range is of the tick.

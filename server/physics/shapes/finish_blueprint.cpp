@@ -141,37 +141,6 @@ void FindEdges(Blueprint& blueprint) {
   }
 }
 
-// Whether the side of face `f` opposite to its corner is sharp in the rest shape; each side counts for one of its
-// faces.
-bool IsSharp(const Blueprint& blueprint, std::size_t f, std::size_t corner) {
-  const std::uint16_t neighbour = blueprint.topology.neighbours[f][corner];
-  if (neighbour == kNoFace) return true;
-  if (neighbour < f) return false;
-  const auto findArea = [&](const Face& face) -> Vector3d {
-    const Vector3d& a = blueprint.rest[face[0]];
-    return (blueprint.rest[face[1]] - a).cross(blueprint.rest[face[2]] - a);
-  };
-  const Face& face = blueprint.full.faces[f];
-  const Vector3d area = findArea(face);
-  const Vector3d other = findArea(blueprint.full.faces[neighbour]);
-  const Vector3d across = blueprint.rest[blueprint.topology.across[f][corner]] - blueprint.rest[face[corner]];
-  return area.dot(across) < 0 && area.dot(other) < kSharpCosine * area.norm() * other.norm();
-}
-
-// Blueprint::sharpEdges and sharpWings.
-void FindSharpEdges(Blueprint& blueprint) {
-  blueprint.sharpEdges.clear();
-  blueprint.sharpWings.clear();
-  for (std::size_t f = 0; f < blueprint.topology.neighbours.size(); ++f) {
-    const Face& face = blueprint.full.faces[f];
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      if (!IsSharp(blueprint, f, corner)) continue;
-      blueprint.sharpEdges.push_back({face[(corner + 1) % 3], face[(corner + 2) % 3]});
-      blueprint.sharpWings.push_back({face[corner], blueprint.topology.across[f][corner]});
-    }
-  }
-}
-
 // Blueprint::selfEdges.
 void FindSelfEdges(Blueprint& blueprint) {
   blueprint.selfEdges = blueprint.edges;
@@ -323,7 +292,6 @@ void FinishCentredBlueprint(Blueprint& blueprint) {
   blueprint.dragRate = FindDragRate(blueprint);
   FindContactShares(blueprint);
   FindEdges(blueprint);
-  FindSharpEdges(blueprint);
   FindSelfEdges(blueprint);
   blueprint.single = ToSingle(full);
   MakePlans(blueprint);
