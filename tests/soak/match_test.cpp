@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "client/bots/runner.h"
 #include "server/recording/verify.h"
+#include "tests/bench/thread_time.h"
 #include "tests/support/game.h"
 #include "tests/support/places.h"
 #include "tests/unit/recording/matches.h"
@@ -88,33 +88,25 @@ void ExpectPlayed(const Played& played, unsigned count) {
   EXPECT_EQ(played.proof, "") << "the recording plays the same again, to the bit";
 }
 
-double ReadThreadTime() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
-// The processor time of each tick from the fifth second to the twentieth, s.
-std::vector<double> TimeTicksOfGoals() {
+// Sets `ticks` to the processor time of each tick from the fifth second to the twentieth, s.
+void TimeTicksOfGoals(std::vector<double>& ticks) {
   test::Game game(test::LoadShippedScene("goals"));
   LoadTestOptions options;
   options.count = 16;
   options.decodeShare = {.part = 0, .whole = 1};
   Script script(options.seed, {});
   std::string error;
-  EXPECT_TRUE(script.LoadFile(test::FindSource("client/bots/scripts/goals.lua"), error)) << error;
+  ASSERT_TRUE(script.LoadFile(test::FindSource("client/bots/scripts/goals.lua"), error)) << error;
   Runner runner(
       options, script, [&](auto, std::string&) { return game.network.MakeClient(); }, [] { return 0.0; },
       [](std::string_view line) { ADD_FAILURE() << line; });
-  std::vector<double> ticks;
   while (game.now < 20) {
-    const double begin = ReadThreadTime();
+    const double begin = bench::ReadThreadTime();
     game.Step();
-    if (game.now > 5) ticks.push_back(ReadThreadTime() - begin);
+    if (game.now > 5) ticks.push_back(bench::ReadThreadTime() - begin);
     runner.RunRound(game.now, 0);
   }
   EXPECT_EQ(runner.ReadFigures().connected, 16U);
-  return ticks;
 }
 
 // Other programs lengthen processor time, too: they share the caches. So the match, which is the same each time, is
@@ -123,7 +115,8 @@ TEST(MatchOfBots, SixteenAtGoalsLeaveTimeInATick) {
   std::vector<double> least;
   double p99 = 1;
   for (int play = 0; play < 3 && p99 >= 1.0 / 60; ++play) {
-    const std::vector<double> ticks = TimeTicksOfGoals();
+    std::vector<double> ticks;
+    ASSERT_NO_FATAL_FAILURE(TimeTicksOfGoals(ticks));
     if (least.empty()) least = ticks;
     ASSERT_EQ(ticks.size(), least.size());
     for (std::size_t i = 0; i < ticks.size(); ++i) least[i] = std::min(least[i], ticks[i]);
