@@ -37,8 +37,11 @@ class RandomWorld {
 
   [[nodiscard]] physics::World& Engine() { return *m_world; }
   [[nodiscard]] const physics::World& Engine() const { return *m_world; }
-  // Shape and material of a blueprint, by its index in the world.
-  [[nodiscard]] const std::string& Describe(std::uint8_t blueprint) const { return m_descriptions[blueprint]; }
+  // Shape and material of a blueprint, by its index in the world. What has been torn has a blueprint of its own, beyond
+  // those that the world began with.
+  [[nodiscard]] std::string Describe(std::uint8_t blueprint) const {
+    return blueprint < m_descriptions.size() ? m_descriptions[blueprint] : "torn body";
+  }
   [[nodiscard]] const std::string& Place() const { return m_place; }
   // What the blueprints were made from, and the terrain's heights; empty where there is none.
   [[nodiscard]] const std::vector<scenes::BlueprintDefinition>& Definitions() const { return m_definitions; }
