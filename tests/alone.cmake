@@ -4,5 +4,5 @@
 # loses those of honest clients, too: then they join late.
 set_tests_properties(net.DoorAttackTest.AFloodOfRequestsKeepsNobodyOut PROPERTIES RUN_SERIAL ON)
 # Its limit is in processor time, which other programs lengthen, too: p99 of a tick was 18.1 ms beside other tests, as
-# the least of three plays, and 6.9 ms alone on the same kind of machine.
+# the least of three plays, and 6.6 ms alone on the same kind of machine.
 set_tests_properties(soak.MatchOfBots.SixteenAtGoalsLeaveTimeInATick PROPERTIES RUN_SERIAL ON)
