@@ -3,6 +3,6 @@
 # Fifty thousand datagrams a second fill a core, and a server that waits a tenth of a second for one beside other tests
 # loses those of honest clients, too: then they join late.
 set_tests_properties(net.DoorAttackTest.AFloodOfRequestsKeepsNobodyOut PROPERTIES RUN_SERIAL ON)
-# Its limit is in processor time, which other programs lengthen, too: p99 of a tick was 18.1 ms beside other tests, as
-# the least of three plays, and 6.6 ms alone on the same kind of machine.
+# Beside other tests p99 of a tick was 18.1 ms, as the least of three plays; alone, on the same kind of machine, 6.6 ms
+# after one. match_test.cpp says why.
 set_tests_properties(soak.MatchOfBots.SixteenAtGoalsLeaveTimeInATick PROPERTIES RUN_SERIAL ON)
