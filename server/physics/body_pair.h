@@ -9,6 +9,7 @@
 #include "server/physics/contact/broad_phase.h"
 #include "server/physics/contact/core_contact.h"
 #include "server/physics/contact/edge_contact.h"
+#include "server/physics/contact/untangling.h"
 #include "server/physics/step/body.h"
 
 namespace wobble::physics {
@@ -23,8 +24,10 @@ struct BodyPair {
   std::array<std::vector<BodyContact<Real>>, 2> sides;  // as in ContactPair
   std::vector<EdgeContact<Real>> edges;
   CoreContact core;
-  double gap = 0;    // at which the skins begin to push, m (contact/skin_gap.h)
-  bool met = false;  // the contacts have been searched for in this tick
+  double gap = 0;  // at which the skins begin to push, m (contact/skin_gap.h)
+  Tangle tangle;
+  Pulls<Real> pulls;  // of this tick, that take the skins apart
+  bool met = false;   // the contacts have been searched for in this tick
 
   [[nodiscard]] bool IsSelf() const { return first == second; }
   [[nodiscard]] bool Has(BodyId body) const { return first == body || second == body; }
@@ -37,7 +40,8 @@ struct BodyPair {
     const auto touches = [](const BodyContact<Real>& contact) { return contact.phase == ContactPhase::kTouching; };
     return std::any_of(sides[0].begin(), sides[0].end(), touches) ||
            std::any_of(sides[1].begin(), sides[1].end(), touches) ||
-           std::any_of(edges.begin(), edges.end(), [](const EdgeContact<Real>& contact) { return contact.touching; });
+           std::any_of(edges.begin(), edges.end(),
+                       [](const EdgeContact<Real>& contact) { return contact.phase == EdgePhase::kTouching; });
   }
 };
 

@@ -9,7 +9,7 @@
 #include "server/physics/contact/backtracking.h"
 #include "server/physics/methods/bending.h"
 #include "server/physics/methods/elasticity.h"
-#include "server/physics/methods/unfolding.h"
+#include "server/physics/methods/recovery.h"
 #include "server/physics/step/losses.h"
 #include "server/physics/world_engine.h"
 
@@ -48,8 +48,8 @@ std::vector<Vector3d> FindElastic(const Subject<Real>& subject) {
                         forces);
     AddHinges<Real>(body.hinges, body.hingeFloorSquare, subject.load.stiffnessFactor, subject.state.positions, still,
                     forces);
-    if (subject.load.foldFactor > Real(0)) {
-      AddUnfolding<Real>(body.cells, subject.load.foldFactor, subject.state.positions, still, forces);
+    if (subject.load.recovery.Act()) {
+      AddRecovery<Real>(body, subject.load.recovery, subject.state.positions, still, forces);
     }
     if (!(body.repulsion > Real(0))) return;
     AddRepulsion<Real>(body.springs, body.repulsion, subject.state.positions, forces, subject.load.torn);
@@ -68,10 +68,10 @@ void AddViscosity(const Subject<Real>& subject, std::span<Vector3<Real>> forces)
   AddTetrahedra<Real>(body.tetrahedra, body.solid, -factor, state.positions, still, forces);
   AddHinges<Real>(body.hinges, body.hingeFloorSquare, factor, state.positions, state.velocities, forces);
   AddHinges<Real>(body.hinges, body.hingeFloorSquare, -factor, state.positions, still, forces);
-  if (!(subject.load.foldFactor > Real(0))) return;
+  if (!(subject.load.recovery.Act())) return;
   std::vector<Vector3<Real>> elastic(forces.size(), Vector3<Real>::Zero());
-  AddUnfolding<Real>(body.cells, subject.load.foldFactor, state.positions, state.velocities, forces);
-  AddUnfolding<Real>(body.cells, subject.load.foldFactor, state.positions, still, elastic);
+  AddRecovery<Real>(body, subject.load.recovery, state.positions, state.velocities, forces);
+  AddRecovery<Real>(body, subject.load.recovery, state.positions, still, elastic);
   for (std::size_t i = 0; i < forces.size(); ++i) forces[i] -= elastic[i];
 }
 
@@ -139,8 +139,8 @@ Meeting<Real> Meet(const Subject<Real>& ofVertices, const Subject<Real>& ofFaces
 }
 
 template <class Real>
-EdgeMeeting<Real> MeetEdges(const Subject<Real>& first, const Subject<Real>& second) {
-  return MakeEdgeMeeting<Real>(first.blueprint, first.state, second.blueprint, second.state);
+EdgeMeeting<Real> MeetEdges(const Subject<Real>& first, const Subject<Real>& second, double gap) {
+  return MakeEdgeMeeting<Real>(first.blueprint, first.state, second.blueprint, second.state, gap);
 }
 
 // Of mass, in the world, m.
@@ -180,8 +180,9 @@ void AddBodyContacts(const BodyPair<Real>& pair, const Subject<Real>& subject, s
   }
   AddCore(pair.core, subject, other, forces);
   std::vector<EdgeForce<Real>> ofEdges(pair.edges.size());
-  ComputeEdgeContacts<Real>(both, ofSubject == 0 ? MeetEdges(subject, other) : MeetEdges(other, subject), pair.edges,
-                            ofEdges);
+  ComputeEdgeContacts<Real>(both,
+                            ofSubject == 0 ? MeetEdges(subject, other, pair.gap) : MeetEdges(other, subject, pair.gap),
+                            pair.edges, ofEdges);
   for (const EdgeForce<Real>& force : ofEdges) {
     if (!force.acts) continue;
     for (const std::size_t end : {0U, 1U}) add(force.vertices[2 * ofSubject + end], force.forces[2 * ofSubject + end]);

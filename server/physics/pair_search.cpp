@@ -17,7 +17,7 @@ constexpr std::size_t kLikelyContacts = 128;
 
 template <class Real>
 bool HasContacts(const BodyPair<Real>& pair) {
-  return !pair.sides[0].empty() || !pair.sides[1].empty() || !pair.edges.empty();
+  return !pair.sides[0].empty() || !pair.sides[1].empty() || !pair.edges.empty() || pair.tangle.ticks > 0;
 }
 
 template <class Real>
@@ -137,6 +137,8 @@ void PairSearch<Real>::AddPairs() {
     }
     if (known) pair.core = before->core;
     if (known) pair.gap = before->gap;
+    if (known) pair.tangle = before->tangle;
+    if (known) pair.pulls = std::move(before->pulls);
     if (known) ++before;
     for (const std::uint32_t body : pair.places) AttachSleeper(body);
     m_lists.awake.push_back(std::move(pair));
@@ -250,6 +252,7 @@ void PairSearch<Real>::Meet(BodyPair<Real>& pair) {
   const double fullGap = FindFullGap(first, second);
   if (byFaces) {
     FindWithGap(fullGap, m_duration, pair.gap, pair.sides, [&](std::size_t side) { MeetFaces(side, fullGap, pair); });
+    LookForTangle(pair);
   }
   if (MeetByEdges(first, second)) MeetEdges(pair);
   if (first.coreRadius > 0 && second.coreRadius > 0) MeetCores(pair);
@@ -293,33 +296,66 @@ void PairSearch<Real>::MeetEdges(BodyPair<Real>& pair) {
   const Member<Real>& first = m_work.members[pair.places[0]];
   const Member<Real>& second = m_work.members[pair.places[1]];
   Scratch<Real>& scratch = m_work.scratch.local();
-  ListBehind<Real>(second.blueprint->topology, first.blueprint->rodRadius, pair.sides[0], scratch.firstBehind);
-  ListBehind<Real>(first.blueprint->topology, second.blueprint->rodRadius, pair.sides[1], scratch.secondBehind);
-  const EdgeSearch<Real> search{.first = first.survey.bounds,
-                                .second = second.survey.bounds,
-                                .margin = static_cast<Real>(kNearMargin),
-                                .duration = static_cast<Real>(m_duration),
-                                .firstBehind = scratch.firstBehind,
-                                .secondBehind = scratch.secondBehind,
-                                .skinOfFirst = SeeSkin<Real>(*first.blueprint, pair.sides[1]),
-                                .skinOfSecond = SeeSkin<Real>(*second.blueprint, pair.sides[0])};
-  FindEdgeContacts<Real>(FindParameters(first, second), MakeEdgeMeeting<Real>(first, second), search, pair.edges,
-                         scratch.edgeSearch);
+  EdgeSearch<Real> search{.first = first.survey.bounds,
+                          .second = second.survey.bounds,
+                          .margin = static_cast<Real>(kNearMargin),
+                          .duration = static_cast<Real>(m_duration)};
+  if (MeetByRods(*first.blueprint, *second.blueprint)) {
+    ListBehind<Real>(second.blueprint->topology, first.blueprint->rodRadius, pair.sides[0], scratch.firstBehind);
+    ListBehind<Real>(first.blueprint->topology, second.blueprint->rodRadius, pair.sides[1], scratch.secondBehind);
+    search.firstBehind = scratch.firstBehind;
+    search.secondBehind = scratch.secondBehind;
+    search.skinOfFirst = SeeSkin<Real>(*first.blueprint, pair.sides[1]);
+    search.skinOfSecond = SeeSkin<Real>(*second.blueprint, pair.sides[0]);
+  }
+  FindEdgeContacts<Real>(FindParameters(first, second), MakeEdgeMeeting<Real>(first, second, pair.gap), search,
+                         pair.edges, scratch.edgeSearch);
 }
 
 template <class Real>
 void PairSearch<Real>::MeetSelf(BodyPair<Real>& pair) {
   const std::uint32_t place = pair.places[0];
   const Member<Real>& member = m_work.members[place];
-  const Real room = FindSelfContacts<Real>(FindParameters(member, member), MakeEdgeMeeting<Real>(member, member),
+  const Real room = FindSelfContacts<Real>(FindParameters(member, member), MakeEdgeMeeting<Real>(member, member, 0),
                                            MakeSelfSearch(member), pair.edges, m_work.scratch.local().selfSearch);
   m_table.bodies[place].selfRoom = std::max(0.0, double{room});
   // On its way back a body that is inside out or folded goes through itself.
-  if (member.load.foldFactor > Real(0)) pair.edges.clear();
+  if (member.load.recovery.Act()) {
+    pair.edges.clear();
+    pair.tangle = {};
+    pair.pulls = {};
+  } else if (!member.blueprint->full.planar) {
+    LookForTangle(pair);
+  }
   const bool isClosed = member.blueprint->restVolume > 0;
   if (pair.edges.empty() || !isClosed) return;
   const auto& body = member.blueprint->template Read<Real>();
   if (!(ComputeEnclosed<Real>(body, member.state->positions) > Real(0))) pair.edges.clear();
+}
+
+template <class Real>
+void PairSearch<Real>::LookForTangle(BodyPair<Real>& pair) {
+  const Member<Real>& first = m_work.members[pair.places[0]];
+  const Member<Real>& second = m_work.members[pair.places[1]];
+  if (first.blueprint->full.faces.empty() || second.blueprint->full.faces.empty()) return;
+  const auto see = [](const Member<Real>& member) {
+    return TangledSkin<Real>{member.blueprint, member.state->positions, member.survey.bounds,
+                             member.survey.bulk.velocity};
+  };
+  Untangle<Real>(see(first), see(second), second.state->origin - first.state->origin, m_duration,
+                 m_work.scratch.local().untangling, pair.tangle, pair.pulls);
+}
+
+template <class Real>
+void PairSearch<Real>::PullApart() {
+  for (const BodyPair<Real>& pair : m_lists.awake) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      if (pair.pulls[side].empty()) continue;
+      Member<Real>& member = m_work.members[pair.places[side]];
+      for (const auto& [vertex, force] : pair.pulls[side]) member.pushes.push_back({vertex, force});
+      member.load.pushes = member.pushes;
+    }
+  }
 }
 
 template <class Real>

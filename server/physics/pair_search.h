@@ -20,8 +20,8 @@ struct BodyTable {
 };
 
 // Fills in the workspace's PairLists from its boxes and members. A tick calls FindPairs, MeetAll, then WakeTouched and
-// MeetAll again until nothing wakes, DropPairsApart, and LetPairsRest at its end. The cost does not depend on sleeping
-// bodies that no awake body is near.
+// MeetAll again until nothing wakes, DropPairsApart, PullApart, and LetPairsRest at its end. The cost does not depend
+// on sleeping bodies that no awake body is near.
 template <class Real>
 class PairSearch {
  public:
@@ -46,6 +46,8 @@ class PairSearch {
   bool WakeTouched();
   // Drops pairs without contacts, whose boxes overlap but which form no island.
   void DropPairsApart();
+  // Adds the forces that take skins out of one another to what pushes their bodies in this tick.
+  void PullApart();
   // Puts the pairs of bodies that have just fallen asleep aside until one of their bodies wakes.
   void LetPairsRest();
 
@@ -63,6 +65,7 @@ class PairSearch {
   void MeetCores(BodyPair<Real>& pair);
   void MeetEdges(BodyPair<Real>& pair);
   void MeetSelf(BodyPair<Real>& pair);
+  void LookForTangle(BodyPair<Real>& pair);
   [[nodiscard]] SelfSearch<Real> MakeSelfSearch(const Member<Real>& member) const;
   template <class Keep>
   void KeepPairs(const Keep& keep);

@@ -124,6 +124,7 @@ void World::PlaceBody(BodyId id, const Vector3d& position) {
 void World::SetMotion(BodyId id, std::span<const Vector3d> positions, std::span<const Vector3d> velocities) {
   Body& body = Write(id);
   WakeUp(body);
+  body.lostTicks = std::max(body.lostTicks, 1);  // so that the next step looks
   std::visit(
       [&]<class Real>(State<Real>& state) {
         assert(positions.size() == state.positions.size() && velocities.size() == state.velocities.size());

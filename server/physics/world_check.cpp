@@ -78,7 +78,7 @@ std::string CheckBody(const Inspection& subject, std::size_t precision, const Bo
     return Unless(false, "blueprint", body.blueprint, "one of the world's");
   if (body.state.index() != precision) return Unless(false, "precision", body.state.index(), "the world's");
   const auto& [id, blueprint, state, control, limits, jumpHeld, touchesBody, gasFactor, stiffnessFactor, steps,
-               selfRoom, selfAgitation, asleep, quietTicks, invertedTicks, tornTicks] = body;
+               selfRoom, selfAgitation, asleep, quietTicks, invertedTicks, lostTicks, tornTicks] = body;
   const bool areLimits = std::isfinite(limits.acceleration) && std::isfinite(limits.speed) &&
                          std::isfinite(limits.jumpSpeed) && IsFactor(limits.puffFactor) &&
                          IsFactor(limits.stiffenFactor);
@@ -94,6 +94,7 @@ std::string CheckBody(const Inspection& subject, std::size_t precision, const Bo
       Unless(!std::isnan(selfRoom) && !std::isnan(selfAgitation), "selfRoom", selfRoom, "a number"),
       Unless(IsCount(quietTicks), "quietTicks", quietTicks, "0 or more"),
       Unless(IsCount(invertedTicks), "invertedTicks", invertedTicks, "0 or more"),
+      Unless(IsCount(lostTicks), "lostTicks", lostTicks, "0 or more"),
       Unless(IsCount(tornTicks), "tornTicks", tornTicks, "0 or more"),
       std::visit([&](const auto& each) { return CheckState(subject, body, each); }, state));
 }
@@ -140,7 +141,7 @@ std::string CheckSide(const Blueprint& vertices, const Blueprint& faces, const s
 template <class Real>
 std::string CheckEdges(std::size_t first, std::size_t second, const std::vector<EdgeContact<Real>>& edges) {
   const auto isKnown = [&](const EdgeContact<Real>& contact) {
-    return contact.first < first && contact.second < second;
+    return contact.first < first && contact.second < second && contact.phase <= EdgePhase::kTurned;
   };
   const auto isInOrder = [](const auto& a, const auto& b) { return !IsListedBefore(a, b); };
   return FindFirst(Unless(std::ranges::all_of(edges, isKnown), "pair.edges", edges.size(), "of edges that there are"),
@@ -156,13 +157,16 @@ std::string CheckPair(const Inspection& subject, const BodyPair<Real>& pair) {
     return Unless(false, "pair.second", pair.second, "a body of the world, as the first, which is not behind it");
   const Blueprint& ofFirst = subject.BlueprintOf(*first);
   const Blueprint& ofSecond = subject.BlueprintOf(*second);
-  const std::size_t edges = pair.IsSelf() ? ofFirst.selfEdges.size() : FindMeetingEdges(ofFirst).size();
-  const std::size_t secondEdges = pair.IsSelf() ? edges : FindMeetingEdges(ofSecond).size();
+  const std::size_t edges = pair.IsSelf() ? ofFirst.selfEdges.size() : FindMeetingEdges(ofFirst, ofSecond).size();
+  const std::size_t secondEdges = pair.IsSelf() ? edges : FindMeetingEdges(ofSecond, ofFirst).size();
   const bool hasSides = !pair.sides[0].empty() || !pair.sides[1].empty();
   const bool isCore = std::isfinite(pair.core.stiffness) && pair.core.stiffness >= 0;
   const bool isGap = pair.gap >= 0 && pair.gap <= kLargestGap;
+  const bool isTangle = pair.tangle.ticks >= 0 && pair.tangle.ticks <= kMostTangleTicks && pair.tangle.untilLook >= 0 &&
+                        pair.tangle.untilLook <= kMostTicksUntilLook;
   return FindFirst(Unless(isCore, "pair.core", pair.core.stiffness, "finite, 0 or more"),
                    Unless(isGap, "pair.gap", pair.gap, "0 to 0.01 m"),
+                   Unless(isTangle, "pair.tangle.ticks", pair.tangle.ticks, "0 or more, and looked at within 29 ticks"),
                    Unless(!pair.IsSelf() || !hasSides, "pair.sides", 1, "empty for a body with itself"),
                    CheckSide(ofFirst, ofSecond, pair.sides[0]), CheckSide(ofSecond, ofFirst, pair.sides[1]),
                    CheckEdges(edges, secondEdges, pair.edges));

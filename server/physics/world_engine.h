@@ -125,6 +125,7 @@ struct Scratch {
   std::vector<std::uint16_t> firstBehind;  // vertices of the first and second body of a pair, by IsBehind
   std::vector<std::uint16_t> secondBehind;
   SelfSearchScratch<Real> selfSearch;
+  UntanglingScratch untangling;
   // The batch that the thread steps:
   std::vector<Member<Real>*> members;
   std::vector<ContactPair<Real>> contactPairs;

@@ -9,7 +9,7 @@ namespace wobble::physics {
 namespace {
 
 // A lattice may stay folded for as long as something heavy lies on it.
-constexpr int kMostInvertedTicks = 1 << 20;
+constexpr int kMostTicksInARow = 1 << 20;
 
 // A place near `place` where the body's rest shape is clear of obstacles, if there is room. A body is lost where
 // something crushes it, and its rest shape put there would stick in what crushed it.
@@ -39,9 +39,9 @@ template <class Real>
 Outcome FinishBody(const Surroundings& surroundings, const BlueprintSlot& slot, double allowedError,
                    const Member<Real>& member, const IslandOutcome& steps, Body& body) {
   State<Real>& state = *member.state;
-  body.invertedTicks = member.insideOut || member.isFolded ? std::min(body.invertedTicks, kMostInvertedTicks) + 1 : 0;
-  const bool staysInverted =
-      member.insideOut && body.invertedTicks * surroundings.settings.tickDuration > kInvertedTime;
+  body.invertedTicks = member.insideOut ? std::min(body.invertedTicks, kMostTicksInARow) + 1 : 0;
+  body.lostTicks = member.hasLostShape ? std::min(body.lostTicks, kMostTicksInARow) + 1 : 0;
+  const bool staysInverted = body.invertedTicks * surroundings.settings.tickDuration > kInvertedTime;
   Outcome outcome{.steps = steps,
                   .health = member.health,
                   .inverted = member.insideOut && member.health != Health::kNonFinite,
@@ -53,6 +53,7 @@ Outcome FinishBody(const Surroundings& surroundings, const BlueprintSlot& slot, 
     PutBackToRest(*member.blueprint, FindFreePlace(surroundings.obstacles, member, place), state);
     body.steps = {};
     body.invertedTicks = 0;
+    body.lostTicks = 0;
     body.selfRoom = 0;
     WakeUp(body);
   } else {
@@ -82,8 +83,8 @@ void FinishContactPair(const ContactPair<Real>& contactPair, std::span<const std
     *contactPair.core = {};
   }
   if (a == b) return;
-  const bool touch =
-      std::any_of(contactPair.edges->begin(), contactPair.edges->end(), [](const auto& each) { return each.touching; });
+  const bool touch = std::any_of(contactPair.edges->begin(), contactPair.edges->end(),
+                                 [](const auto& each) { return each.phase == EdgePhase::kTouching; });
   bodies[a].touchesBody |= touch;
   bodies[b].touchesBody |= touch;
 }

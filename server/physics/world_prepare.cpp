@@ -3,8 +3,7 @@
 
 #include <algorithm>
 
-#include "server/physics/methods/unfolding.h"
-#include "server/physics/methods/unwinding.h"
+#include "server/physics/methods/recovery.h"
 #include "server/physics/pair_search.h"
 #include "server/physics/step/control.h"
 #include "server/physics/step/losses.h"
@@ -32,31 +31,14 @@ void AddDrives(const Surroundings& surroundings, BodyId body, Member<Real>& memb
 // costs a fifth of its tick.
 constexpr std::uint32_t kFoldLookTicks = 8;
 
-// A cell that is cut through has no volume to keep. Which ones these are is known when the body has been rebuilt. Of
-// rings only those of one layer are looked at: the others have springs across their skin.
+// Whether the body is to be brought back to its shape in this tick. A cell that is cut through has no volume to keep;
+// which ones these are is known when the body has been rebuilt.
 template <class Real>
-bool HasLostShape(const Coefficients<Real>& coefficients, const State<Real>& state) {
-  const bool isLattice = !coefficients.cells.first.empty();
-  const bool isRing = coefficients.outline.size() == coefficients.masses.size();
-  if (!isLattice && !isRing) return false;
-  if (std::ranges::any_of(state.torn, [](std::uint8_t torn) { return torn != 0; })) return false;
-  return isLattice ? HasFolds<Real>(coefficients.cells, state.positions)
-                   : FindTurningNumber<Real>(coefficients.outline, state.positions) > 1;
-}
-
-// Adds what brings a body back to its shape, if it is folded.
-template <class Real>
-void AddRecovery(const Surroundings& surroundings, const Coefficients<Real>& coefficients, const Body& body,
-                 const State<Real>& state, Member<Real>& member) {
-  const bool isLookDue = body.invertedTicks > 0 || (surroundings.tick + body.id) % kFoldLookTicks == 0;
-  member.isFolded = isLookDue && HasLostShape(coefficients, state);
-  if (!member.isFolded) return;
-  if (!coefficients.cells.first.empty()) {
-    member.load.foldFactor = member.load.stiffnessFactor * static_cast<Real>(FindFoldStrength(surroundings.time));
-    return;
-  }
-  const auto forces = FindUnwinding<Real>(coefficients, state.positions);
-  member.pushes.insert(member.pushes.end(), forces.begin(), forces.end());
+bool IsToRecover(const Surroundings& surroundings, const Coefficients<Real>& coefficients, const Body& body,
+                 const State<Real>& state) {
+  const bool isLookDue = body.lostTicks > 0 || (surroundings.tick + body.id) % kFoldLookTicks == 0;
+  if (!isLookDue || std::ranges::any_of(state.torn, [](std::uint8_t torn) { return torn != 0; })) return false;
+  return HasLostShape<Real>(coefficients, state.positions);
 }
 
 }  // namespace
@@ -88,7 +70,15 @@ void PrepareMember(const Surroundings& surroundings, const Blueprint& blueprint,
   }
   ApplyLosses<Real>(blueprint, member.surfaces, settings.tickDuration, scratch.gradient, state);
   const Coefficients<Real>& coefficients = blueprint.Read<Real>();
-  AddRecovery(surroundings, coefficients, body, state, member);
+  member.hasLostShape = IsToRecover(surroundings, coefficients, body, state);
+  if (member.hasLostShape) {
+    const double lost = (body.lostTicks + 1) * settings.tickDuration;
+    member.load.recovery =
+        FindRecoveryFactors(coefficients, surroundings.time, lost, double{member.load.stiffnessFactor});
+  }
+  member.load.stiffening = FindStiffening<Real>(blueprint, state.positions);
+  member.load.stiffnessFactor *=
+      static_cast<Real>(FindSoftening(blueprint, member.load.stiffening, member.hasLostShape, settings.tickDuration));
   member.load.pushes = member.pushes;
   member.survey = MakeSurvey<Real>(coefficients.masses, state.positions, state.velocities);
   FindContacts<Real>({.surfaces = member.surfaces,

@@ -52,6 +52,7 @@ StepReport World::StepIn(Workspace<Real>& work) {
     search.MeetAll();
   }
   search.DropPairsApart();
+  search.PullApart();
 
   // Exactly the bodies that are awake from here on are stepped.
   const std::span<const std::uint32_t> awake = roster.FindAwake();

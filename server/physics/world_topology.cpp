@@ -109,14 +109,18 @@ void RenumberEdges(std::uint16_t EdgeContact<Real>::*edge, std::span<const std::
   for (EdgeContact<Real>& contact : contacts) contact.*edge = map[contact.*edge];
 }
 
-// Renumbers this body's edges in its contacts with others and with itself. places: by old vertex.
-template <class Real>
+// Renumbers this body's edges in its contacts with others and with itself. places: by old vertex. readBlueprint(id): of
+// another body.
+template <class Real, class ReadBlueprint>
 void RenumberEdges(PairLists<Real>& pairs, BodyId id, const Blueprint& before, const Blueprint& after,
-                   std::span<const std::uint16_t> places) {
-  const auto toOthers = MapEdges(FindMeetingEdges(before), FindMeetingEdges(after), places);
+                   std::span<const std::uint16_t> places, const ReadBlueprint& readBlueprint) {
   const auto toSelf = MapEdges(before.selfEdges, after.selfEdges, places);
   VisitPairsOf(id, pairs, [&](BodyPair<Real>& pair) {
-    const std::span<const std::uint16_t> map = pair.IsSelf() ? toSelf : toOthers;
+    const auto mapToOther = [&] {
+      const Blueprint& other = readBlueprint(pair.OtherThan(id));
+      return MapEdges(FindMeetingEdges(before, other), FindMeetingEdges(after, other), places);
+    };
+    const std::vector<std::uint16_t> map = pair.IsSelf() ? toSelf : mapToOther();
     if (pair.first == id) RenumberEdges(&EdgeContact<Real>::first, map, pair.edges);
     if (pair.second == id) RenumberEdges(&EdgeContact<Real>::second, map, pair.edges);
     std::sort(pair.edges.begin(), pair.edges.end(),
@@ -196,11 +200,12 @@ bool World::ReplaceBlueprint(BodyId id, Blueprint blueprint, std::span<const std
   assert(kept.empty() || kept.back() < before.rest.size());
   const auto places = FindPlaces(kept, before.rest.size());
   const auto faces = MapFaces(Renumber(before.full.faces, places), blueprint.full.faces);
+  const auto readBlueprint = [this](BodyId other) -> const Blueprint& { return BlueprintOf(*FindBody(other)); };
   const auto renumber = [&](auto& work) {
     const auto ofVertices = [&](auto& pair) { RenumberVertices(pair.sides[pair.SideOf(id)], places); };
     VisitPairsOf(id, work.pairs, ofVertices);
     RenumberFaces(work.pairs, id, faces);
-    RenumberEdges(work.pairs, id, before, blueprint, places);
+    RenumberEdges(work.pairs, id, before, blueprint, places, readBlueprint);
   };
   std::visit(renumber, m_engine->workspace);
   RenumberForces(id, places);
@@ -268,9 +273,10 @@ void World::RebuildTorn() {
     const auto kept = ListNumbers(m_blueprints[body.blueprint].rest.size());
     Blueprint left = MakeTornBlueprint(m_blueprints[body.blueprint], torn);
     const auto map = MapFaces(m_blueprints[body.blueprint].full.faces, left.full.faces);
+    const auto readBlueprint = [this](BodyId other) -> const Blueprint& { return BlueprintOf(*FindBody(other)); };
     const auto renumber = [&](auto& work) {
       RenumberFaces(work.pairs, body.id, map);
-      RenumberEdges(work.pairs, body.id, m_blueprints[body.blueprint], left, kept);
+      RenumberEdges(work.pairs, body.id, m_blueprints[body.blueprint], left, kept, readBlueprint);
     };
     std::visit(renumber, m_engine->workspace);
     BlueprintRecipe recipe = m_recipes[body.blueprint];

@@ -56,10 +56,10 @@ BodyContact<To> Convert(const BodyContact<From>& from) {
 
 template <class To, class From>
 EdgeContact<To> Convert(const EdgeContact<From>& from) {
-  const auto& [first, second, touching, depth, leap, s, t, normal, slip] = from;
+  const auto& [first, second, phase, depth, leap, s, t, normal, slip] = from;
   return {.first = first,
           .second = second,
-          .touching = touching,
+          .phase = phase,
           .depth = static_cast<To>(depth),
           .leap = static_cast<To>(leap),
           .s = static_cast<To>(s),
@@ -89,6 +89,7 @@ void CopyPairs(const PairLists<From>& from, PairLists<To>& to) {
       copy.second = pair.second;
       copy.core = pair.core;
       copy.gap = pair.gap;
+      copy.tangle = pair.tangle;
       for (std::size_t side = 0; side < 2; ++side) {
         for (const auto& contact : pair.sides[side]) copy.sides[side].push_back(Convert<To>(contact));
       }

@@ -23,7 +23,7 @@ namespace wobble::recording {
 
 // Of all that is stored: the blocks, what is in them (fields.h), and the physics that plays them, which is to change it
 // when golden hashes change. Files of another version are refused by name.
-inline constexpr std::uint32_t kFormatVersion = 3;
+inline constexpr std::uint32_t kFormatVersion = 5;
 
 // The most bytes of a block, unpacked: a file cannot ask for more memory.
 inline constexpr std::size_t kMaxBlockBytes = std::size_t{128} << 20;

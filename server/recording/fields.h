@@ -17,6 +17,8 @@ namespace wobble::recording {
 template <>
 inline constexpr auto kLast<physics::ContactPhase> = physics::ContactPhase::kAside;
 template <>
+inline constexpr auto kLast<physics::EdgePhase> = physics::EdgePhase::kTurned;
+template <>
 inline constexpr auto kLast<physics::SkinSide> = physics::SkinSide::kBack;
 template <>
 inline constexpr auto kLast<server::Match::Phase> = server::Match::Phase::kOver;
@@ -73,8 +75,8 @@ void Describe(Archive& archive, Value& value) {
 template <class Archive, class Value>
 requires Is<Value, EdgeContact<float>> || Is<Value, EdgeContact<double>>
 void Describe(Archive& archive, Value& value) {
-  auto& [first, second, touching, depth, leap, s, t, normal, slip] = value;
-  archive(first, second, touching, depth, leap, s, t, normal, slip);
+  auto& [first, second, phase, depth, leap, s, t, normal, slip] = value;
+  archive(first, second, phase, depth, leap, s, t, normal, slip);
 }
 
 // The range is of the tick.
@@ -94,17 +96,17 @@ void Describe(Archive& archive, Value& value) {
 template <class Archive, Is<Body> Value>
 void Describe(Archive& archive, Value& value) {
   auto& [id, blueprint, state, control, limits, jumpHeld, touchesBody, gasFactor, stiffnessFactor, steps, selfRoom,
-         selfAgitation, asleep, quietTicks, invertedTicks, tornTicks] = value;
+         selfAgitation, asleep, quietTicks, invertedTicks, lostTicks, tornTicks] = value;
   archive(id, blueprint, state, control, limits, jumpHeld, touchesBody, gasFactor, stiffnessFactor, steps, selfRoom,
-          selfAgitation, asleep, quietTicks, invertedTicks, tornTicks);
+          selfAgitation, asleep, quietTicks, invertedTicks, lostTicks, tornTicks);
 }
 
 // Places are found again from the bodies, and `met` is of the tick that made the pair.
 template <class Archive, class Value>
 requires Is<Value, BodyPair<float>> || Is<Value, BodyPair<double>>
 void Describe(Archive& archive, Value& value) {
-  auto& [first, second, places, sides, edges, core, gap, met] = value;
-  archive(first, second, sides, edges, core, gap);
+  auto& [first, second, places, sides, edges, core, gap, tangle, pulls, met] = value;
+  archive(first, second, sides, edges, core, gap, tangle.ticks, tangle.untilLook);
 }
 
 template <class Archive, class Value>

@@ -7,6 +7,7 @@
 #include "server/physics/methods/forces.h"
 #include "server/physics/shapes/ball.h"
 #include "server/physics/shapes/lattice.h"
+#include "server/physics/shapes/mesh.h"
 #include "server/physics/shapes/solid.h"
 #include "server/physics/world.h"
 
@@ -40,6 +41,19 @@ inline SolidDefinition MakeSolidBox(const std::array<int, 3>& cells, double pois
 }
 
 // The vertices of a body in the world, m.
+// A closed shell of 42 vertices with gas, three times as long as it is thick.
+inline Blueprint MakeOblong() {
+  const Icosphere sphere = MakeIcosphere(1);
+  MeshDefinition oblong;
+  oblong.name = "oblong";
+  oblong.faces = sphere.faces;
+  for (const Vector3d& at : sphere.vertices) oblong.vertices.push_back(at.cwiseProduct(Vector3d(0.6, 0.4, 0.2)));
+  oblong.material.mass = 4;
+  oblong.material.stiffness = 600;
+  oblong.material.gas = 80;
+  return MakeMesh(oblong);
+}
+
 inline std::vector<Vector3d> ListPositions(const World& world, BodyId id) {
   std::vector<Vector3d> positions;
   VisitVertices(world.ReadBody(id), [&](std::size_t, const Vector3d& x) { positions.push_back(x); });

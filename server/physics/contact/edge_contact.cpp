@@ -1,4 +1,5 @@
-// The plain law of edge contacts. There is no other: such contacts are few, since only small bodies have them.
+// The plain law of edge contacts. There is no other: such contacts are few, since only small bodies have rods, and
+// sharp edges are listed only where they cross.
 #include "server/physics/contact/edge_contact.h"
 
 #include <algorithm>
@@ -15,6 +16,17 @@ constexpr double kParallelSine = 1e-3;
 constexpr double kLeastGap = 1e-7;
 // Cosine from which on the common normal of two edges still tells on which side of one another they were.
 constexpr double kLeastTurn = 0.5;
+// Sine of the angle between two sharp edges, 17°, below which they do not act: the common normal of nearly parallel
+// ones turns with every tremor, and vertices of the one are near faces of the other.
+constexpr double kCrossingSine = 0.3;
+// Sine of the angle by which an edge may look into a face and still look out: of two sheets laid flat on one another
+// the borders do, or do not, by rounding.
+constexpr double kOutSlack = 0.02;
+// The same for edges that a tick may turn out, 30°.
+constexpr double kTurnSlack = 0.5;
+// Distance beyond the other's axis from which on two sharp edges do not act, as a share of the shorter one: deeper in,
+// vertices are behind faces and know the way out. Of 1,000 random worlds fewer triangles intersect with it (by 4 %).
+constexpr double kDeepestShare = 0.25;
 // Most substeps that a fast contact asks for, so that it does not pass the other's axis within one.
 constexpr int kMostFastSubsteps = 16;
 
@@ -83,9 +95,16 @@ Real FindPullAlong(const typename EdgeView<Real>::Side& side, Real distance, con
   return pull.dot(side.direction) * (side.length / std::max(std::abs(distance), side.length));
 }
 
+// Within a tick a contact that is turned may turn out; until the end of that substep it has no force.
+template <class Real>
+bool MayPush(const EdgeContact<Real>& contact, const EdgeView<Real>& view) {
+  return view.looksOut && contact.phase != EdgePhase::kTurned;
+}
+
 // Depth that is pushed back, m; not above 0: the contact does not act.
 template <class Real>
 Real FindDepth(const EdgeMeeting<Real>& meeting, const EdgeContact<Real>& contact, const EdgeView<Real>& view) {
+  if (!MayPush(contact, view)) return 0;
   return meeting.radius - view.distance - contact.leap;
 }
 
@@ -98,7 +117,7 @@ EdgeForce<Real> ComputeForce(const ContactParameters<Real>& parameters, const Ed
   if (!(depth > Real(0))) return result;
   const Real normalForce = ComputeNormalForce(parameters, depth, -view.normal.dot(view.velocity));
   Vector3<Real> pull = parameters.stickDamping * RemoveNormalPart<Real>(view.velocity, view.normal);
-  if (contact.touching) {
+  if (contact.phase == EdgePhase::kTouching) {
     pull += FindStickPull<Real>(parameters, parameters.friction, depth, FindEdgeSlip(meeting, contact, view.normal));
   }
   const Real limit = parameters.friction * normalForce;
@@ -141,6 +160,41 @@ EdgeView<Real> FindBallView(const EdgeMeeting<Real>& meeting, std::uint16_t firs
   return view;
 }
 
+// Whether a sharp edge looks out in direction `out`, unit length, or into one of its faces by an angle of sine `slack`
+// at most.
+template <class Real>
+bool LooksOut(const typename EdgeMeeting<Real>::Body& body, std::uint16_t edge, const Vector3d& out, double slack) {
+  const EdgeEnds& ends = body.edges[edge];
+  const Vector3d a = body.x[ends[0]].template cast<double>();
+  const Vector3d along = (body.x[ends[1]].template cast<double>() - a).normalized();
+  for (const std::uint16_t wing : body.wings[edge]) {
+    Vector3d into = body.x[wing].template cast<double>() - a;
+    into -= into.dot(along) * along;
+    if (out.dot(into) > slack * into.norm()) return false;
+  }
+  return true;
+}
+
+// 1 or −1: the sense of the common normal n, from the second edge to the first, in which both look out, 1 if both
+// senses would do; 0: neither does.
+template <class Real>
+int FindOutwardSense(const EdgeMeeting<Real>& meeting, std::uint16_t first, std::uint16_t second, const Vector3d& n,
+                     double slack) {
+  for (const int sense : {1, -1}) {
+    const Vector3d toFirst = sense * n;
+    if (LooksOut<Real>(meeting.first, first, -toFirst, slack) &&
+        LooksOut<Real>(meeting.second, second, toFirst, slack)) {
+      return sense;
+    }
+  }
+  return 0;
+}
+
+template <class Real>
+Vector3d FindAlong(const typename EdgeMeeting<Real>::Body& body, std::uint16_t edge) {
+  return (body.x[body.edges[edge][1]] - body.x[body.edges[edge][0]]).template cast<double>();
+}
+
 }  // namespace
 
 template <class Real>
@@ -170,8 +224,8 @@ EdgeView<Real> FindEdgeView(const EdgeMeeting<Real>& meeting, std::uint16_t firs
   if (ab[0] == ab[1] && cd[0] == cd[1]) return FindBallView(meeting, ab[0], cd[0], normal);
   const Vector3d a = (meeting.first.x[ab[0]] + meeting.shift).template cast<double>();
   const Vector3d c = meeting.second.x[cd[0]].template cast<double>();
-  const Vector3d u = (meeting.first.x[ab[1]] - meeting.first.x[ab[0]]).template cast<double>();
-  const Vector3d w = (meeting.second.x[cd[1]] - meeting.second.x[cd[0]]).template cast<double>();
+  const Vector3d u = FindAlong<Real>(meeting.first, first);
+  const Vector3d w = FindAlong<Real>(meeting.second, second);
   const auto [s, t] = FindNearest(u, w, a - c);
   EdgeView<Real> view;
   view.s = static_cast<Real>(s);
@@ -186,7 +240,8 @@ EdgeView<Real> FindEdgeView(const EdgeMeeting<Real>& meeting, std::uint16_t firs
   Vector3d n = length > kLeastGap ? Vector3d(gap / length) : before;
   const Vector3d across = u.cross(w);
   const double area = across.norm();
-  if (view.first.inside && view.second.inside && area > kParallelSine * u.norm() * w.norm()) {
+  const bool isAcross = view.first.inside && view.second.inside && area > kParallelSine * u.norm() * w.norm();
+  if (isAcross) {
     n = across / area;
     const double turn = n.dot(before);
     if ((std::abs(turn) > kLeastTurn ? turn : n.dot(gap)) < 0) n = -n;
@@ -194,7 +249,27 @@ EdgeView<Real> FindEdgeView(const EdgeMeeting<Real>& meeting, std::uint16_t firs
   if (!(n.squaredNorm() > 0)) n = Vector3d::UnitZ();
   view.normal = n.template cast<Real>();
   view.distance = static_cast<Real>(n.dot(gap));
+  if (meeting.AreSharp()) {
+    const bool crosses = isAcross && area > kCrossingSine * u.norm() * w.norm();
+    const int sense = crosses ? FindOutwardSense(meeting, first, second, n, kOutSlack) : 0;
+    const double deepest = -kDeepestShare * std::min(u.norm(), w.norm());
+    if (sense < 0) {
+      view.normal = -view.normal;
+      view.distance = -view.distance;
+    }
+    view.looksOut = sense != 0 && double{view.distance} > deepest && !(sense * n.dot(before) < 0);
+  }
   return view;
+}
+
+template <class Real>
+bool MayLookOut(const EdgeMeeting<Real>& meeting, std::uint16_t first, std::uint16_t second) {
+  const Vector3d u = FindAlong<Real>(meeting.first, first);
+  const Vector3d w = FindAlong<Real>(meeting.second, second);
+  const Vector3d across = u.cross(w);
+  const double area = across.norm();
+  return area > kCrossingSine / 2 * u.norm() * w.norm() &&
+         FindOutwardSense<Real>(meeting, first, second, across / area, kTurnSlack) != 0;
 }
 
 template <class Real>
@@ -209,19 +284,24 @@ void UpdateEdgeContacts(const ContactParameters<Real>& parameters, const EdgeMee
   for (EdgeContact<Real>& contact : contacts) {
     const EdgeView<Real> view = FindEdgeView(meeting, contact.first, contact.second, contact.normal);
     const Real speed = std::sqrt(view.velocity.dot(view.velocity));
-    const Real most = contact.depth + FindFreeDepth(parameters) + static_cast<Real>(kArmingSteps) * h * speed;
+    const Real moved = contact.phase == EdgePhase::kTurned ? Real(0) : static_cast<Real>(kArmingSteps) * h * speed;
+    const Real most = contact.depth + FindFreeDepth(parameters) + moved;
     const Real whole = meeting.radius - view.distance;
+    if (!view.looksOut) {
+      contact = {.first = contact.first, .second = contact.second, .phase = EdgePhase::kTurned, .normal = view.normal};
+      continue;
+    }
     contact.leap += std::max(Real(0), whole - contact.leap - most);
     contact.leap = std::clamp(contact.leap, Real(0), std::max(Real(0), whole));
     contact.depth = whole - contact.leap;
-    Vector3<Real> slip = contact.touching
+    Vector3<Real> slip = contact.phase == EdgePhase::kTouching
                              ? FindEdgeSlip(meeting, contact, view.normal)
                              : FindFirstSlip<Real>(h, std::max(Real(0), contact.depth), view.normal, view.velocity);
     const Real limit = parameters.friction * ComputePenalty(parameters, contact.depth);
     const Real strength = parameters.stickStiffness * std::sqrt(slip.dot(slip));
     if (strength > limit) slip *= limit / strength;
     contact.slip = slip;
-    contact.touching = contact.depth > Real(0);
+    contact.phase = contact.depth > Real(0) ? EdgePhase::kTouching : EdgePhase::kFree;
     contact.normal = view.normal;
     contact.s = view.s;
     contact.t = view.t;
@@ -237,7 +317,7 @@ double ComputeEdgeContactEnergy(const ContactParameters<Real>& parameters, const
     const Real depth = FindDepth(meeting, contact, view);
     if (!(depth > Real(0))) continue;
     Real stored = ComputePenaltyEnergy(parameters, depth);
-    if (contact.touching) {
+    if (contact.phase == EdgePhase::kTouching) {
       const Vector3<Real> slip = FindEdgeSlip(meeting, contact, view.normal);
       stored += parameters.stickStiffness * slip.dot(slip) / Real(2);
     }
@@ -254,6 +334,7 @@ int AddEdgeContactLoads(const ContactParameters<Real>& parameters, const EdgeMee
   int substeps = 1;
   for (const EdgeContact<Real>& contact : contacts) {
     const EdgeView<Real> view = FindEdgeView(meeting, contact.first, contact.second, contact.normal);
+    if (!MayPush(contact, view)) continue;
     const double approach = double{FindTopSpeed(meeting, contact.first, contact.second)};
     const double depth = PredictDepth(double{FindDepth(meeting, contact, view)}, approach, duration);
     if (!(depth > 0)) continue;
@@ -273,6 +354,8 @@ int AddEdgeContactLoads(const ContactParameters<Real>& parameters, const EdgeMee
     add(loads[first[1]], double{view.s});
     add(secondLoads[second[0]], double{Real(1) - view.t});
     add(secondLoads[second[1]], double{view.t});
+    // A sharp edge that has come past the other's axis still looks out in its old sense.
+    if (meeting.AreSharp()) continue;
     // Two substeps for each radius of its way.
     const double asked = 2 * approach * duration / std::max(double{meeting.radius}, 1e-3);
     substeps = std::max(substeps, static_cast<int>(std::ceil(std::clamp(asked, 1.0, double{kMostFastSubsteps}))));
@@ -281,6 +364,7 @@ int AddEdgeContactLoads(const ContactParameters<Real>& parameters, const EdgeMee
 }
 
 #define WOBBLE_INSTANTIATE(Real)                                                                            \
+  template bool MayLookOut<Real>(const EdgeMeeting<Real>&, std::uint16_t, std::uint16_t);                   \
   template Real FindTopSpeed<Real>(const EdgeMeeting<Real>&, std::uint16_t, std::uint16_t);                 \
   template EdgeView<Real> FindEdgeView<Real>(const EdgeMeeting<Real>&, std::uint16_t, std::uint16_t,        \
                                              const Vector3<Real>&);                                         \

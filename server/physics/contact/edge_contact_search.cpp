@@ -85,6 +85,11 @@ EdgeContact<Real> MakeEdgeContact(const ContactParameters<Real>& parameters, con
                                   std::uint16_t first, std::uint16_t second, const EdgeView<Real>& view) {
   const Real depth = meeting.radius - view.distance;
   EdgeContact<Real> contact{.first = first, .second = second};
+  if (!view.looksOut) {
+    contact.phase = EdgePhase::kTurned;
+    contact.normal = view.normal;
+    return contact;
+  }
   contact.leap = std::max(Real(0), depth - FindFreeDepth(parameters));
   contact.depth = depth - contact.leap;
   contact.normal = view.normal;
@@ -106,6 +111,7 @@ void FindEdgeContacts(const ContactParameters<Real>& parameters, const EdgeMeeti
     const EdgeBox<Real> box = FindBox<Real>(meeting.first, first, meeting.shift);
     for (const std::uint16_t second : scratch.second) {
       if (!AreNear(box, FindBox<Real>(meeting.second, second, Vector3<Real>::Zero()), reach)) continue;
+      if (meeting.AreSharp() && !MayLookOut(meeting, first, second)) continue;
       const EdgeContact<Real>* known = FindKnown<Real>(contacts, first, second, from);
       const Vector3<Real> normal = known != nullptr ? known->normal : Vector3<Real>::Zero();
       EdgeView<Real> view = FindEdgeView(meeting, first, second, normal);

@@ -7,7 +7,7 @@
 
 #include "server/physics/methods/bending.h"
 #include "server/physics/methods/elasticity.h"
-#include "server/physics/methods/unfolding.h"
+#include "server/physics/methods/recovery.h"
 
 namespace wobble::physics {
 
@@ -165,7 +165,7 @@ void ComputeForces(const Coefficients<Real>& body, const Load<Real>& load, std::
   if (!body.hinges.empty()) {
     AddHinges<Real>(body.hinges, body.hingeFloorSquare, load.stiffnessFactor, x, v, forces);
   }
-  if (load.foldFactor > Real(0)) AddUnfolding<Real>(body.cells, load.foldFactor, x, v, forces);
+  if (load.recovery.Act()) AddRecovery<Real>(body, load.recovery, x, v, forces);
   if (body.gas > Real(0)) AddGas<Real>(body, load.gasFactor, x, forces);
   if (body.drag > Real(0)) AddDrag<Real>(body.faces, body.drag, load.wind, x, v, forces);
   for (const VertexForce<Real>& push : load.pushes) forces[push.vertex] += push.force;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/physics/contact/contact.h"
+#include "server/physics/methods/elasticity.h"
 #include "server/physics/model/blueprint.h"
 #include "server/physics/model/vector.h"
 
@@ -23,6 +24,15 @@ struct VertexForce {
   Vector3<Real> force = Vector3<Real>::Zero();
 };
 
+// What multiplies the forces that bring a body back to its shape (methods/recovery.h). All 0: it has its shape as the
+// tick begins.
+struct RecoveryFactors {
+  double fold = 0;  // of the cells of a lattice
+  double aim = 0;   // of the aim for the rest shape
+
+  [[nodiscard]] bool Act() const { return fold > 0 || aim > 0; }
+};
+
 // The external load on one body, constant through a tick: what acts on it besides contacts, and how its springs and gas
 // are scaled.
 template <class Real>
@@ -30,8 +40,8 @@ struct Load {
   Vector3<Real> acceleration = Vector3<Real>::Zero();  // gravity and the player's moving, m/s²
   Real gasFactor = 1;                                  // multiplies the blueprint's gas
   Real stiffnessFactor = 1;                            // multiplies stiffness and damping of springs, elements, hinges
-  // Multiplies the stiffness of folded cells (methods/unfolding.h); 0: none is folded as the tick begins.
-  Real foldFactor = 0;
+  Stiffening stiffening;                               // of a solid's elements, strained as the tick begins
+  RecoveryFactors recovery;
   Vector3<Real> wind = Vector3<Real>::Zero();  // velocity of the medium that drags at faces, m/s
   std::span<const VertexForce<Real>> pushes;
   std::span<const std::uint8_t> torn;  // State::torn: not 0 where a spring has torn; empty: none has

@@ -4,7 +4,7 @@
 
 #include "server/physics/methods/bending.h"
 #include "server/physics/methods/elasticity.h"
-#include "server/physics/methods/unfolding.h"
+#include "server/physics/methods/recovery.h"
 
 namespace wobble::physics {
 
@@ -35,8 +35,7 @@ ElasticEnergy ComputeElasticEnergy(const Blueprint& blueprint, const Load<Real>&
   energy.stored =
       double{load.stiffnessFactor} * (ComputeSpringEnergy(full, scratch, load.torn) +
                                       ComputeSolidEnergy(full, scratch) + ComputeBendingEnergy(full, scratch)) +
-      (load.foldFactor > Real(0) ? double{load.foldFactor} * ComputeFoldEnergy(full.cells, scratch) : 0) +
-      ComputeRepulsionEnergy(full, scratch, load.torn) +
+      ComputeRecoveryEnergy(full, load.recovery, scratch) + ComputeRepulsionEnergy(full, scratch, load.torn) +
       ComputeContactEnergy<Real>(blueprint.Read<Real>(), surfaces, contacts, x);
   energy.gas = ComputeGasEnergy(full, scratch, double{load.gasFactor});
   return energy;

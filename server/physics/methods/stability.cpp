@@ -250,17 +250,16 @@ template <class Real>
 Modes FindModes(const Blueprint& blueprint, const Load<Real>& load, const State<Real>& state,
                 const ContactRates& fromSurfaces, const ContactRates& fromBodies) {
   const double factor = std::max({1.0, double{load.stiffnessFactor}, double{load.gasFactor}});
-  const Stiffening stiffening = FindStiffening<Real>(blueprint, state.positions);
   Modes modes;
   modes.body.squareFrequency =
-      blueprint.angularFrequency * blueprint.angularFrequency * factor * stiffening.squareFrequency;
+      blueprint.angularFrequency * blueprint.angularFrequency * factor * load.stiffening.squareFrequency;
   modes.body.dampingRate =
-      blueprint.dampingRate * factor * stiffening.dampingRate + FindDragDamping(blueprint, load, state);
-  if (load.foldFactor > Real(0)) {
-    const Cells<double>& cells = blueprint.full.cells;
-    modes.body.squareFrequency += double{load.foldFactor} * cells.squareFrequency;
-    modes.body.dampingRate += cells.damping;
-  }
+      blueprint.dampingRate * factor * load.stiffening.dampingRate + FindDragDamping(blueprint, load, state);
+  const Coefficients<double>& full = blueprint.full;
+  modes.body.squareFrequency +=
+      load.recovery.fold * full.cells.squareFrequency + load.recovery.aim * full.aim.squareFrequency;
+  if (load.recovery.fold > 0) modes.body.dampingRate += full.cells.damping;
+  if (load.recovery.aim > 0) modes.body.dampingRate += full.aim.damping;
   modes.surfaces = fromSurfaces;
   modes.bodies = fromBodies;
   return modes;

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 
 #include "server/physics/lanes/lanes.h"
+#include "server/physics/model/rotation.h"
 
 namespace wobble::physics {
 namespace {
@@ -45,12 +45,10 @@ bool VisitCorners(const Cells<Real>& cells, const Visit& visit) {
   return false;
 }
 
-using CornerColumns = std::array<Vector3d, 3>;
-
 template <class Real>
-CornerColumns FindColumns(const Cells<Real>& cells, const Corner& corner, std::span<const Vector3<Real>> x) {
+Columns FindColumns(const Cells<Real>& cells, const Corner& corner, std::span<const Vector3<Real>> x) {
   const Vector3d own = x[corner.vertices[0]].template cast<double>();
-  CornerColumns f;
+  Columns f;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const Vector3d along = x[corner.vertices[axis + 1]].template cast<double>() - own;
     f[axis] = corner.signs[axis] * kFoldWeights[axis] / double{cells.edge} * along;
@@ -60,110 +58,13 @@ CornerColumns FindColumns(const Cells<Real>& cells, const Corner& corner, std::s
 }
 
 // σ₃ ≥ J / (σ₁ σ₂) ≥ 2 J / Σ F_c·F_c.
-bool MayBeFolded(const CornerColumns& f) {
+bool MayBeFolded(const Columns& f) {
   const double square = f[0].dot(f[0]) + f[1].dot(f[1]) + f[2].dot(f[2]);
   return !(2 * f[0].dot(f[1].cross(f[2])) >= kFoldStretch * square);
 }
 
-struct Stretches {
-  std::array<double, 3> values{};  // σ₁ ≥ σ₂ ≥ |σ₃|
-  CornerColumns left;              // uᵢ
-  CornerColumns right;             // vᵢ: F vᵢ = σᵢ uᵢ
-};
-
-// Turns axes a and b of the symmetric matrix `s` so that s[a][b] becomes 0 (Jacobi 1846), and the columns of `turns`
-// with them.
-void Diagonalise(std::size_t a, std::size_t b, std::array<std::array<double, 3>, 3>& s, CornerColumns& turns) {
-  if (s[a][b] == 0) return;
-  const double theta = (s[b][b] - s[a][a]) / (2 * s[a][b]);
-  const double t = (theta >= 0 ? 1 : -1) / (std::fabs(theta) + std::sqrt(theta * theta + 1));
-  const double c = 1 / std::sqrt(t * t + 1);
-  const double d = t * c;
-  const std::size_t other = 3 - a - b;
-  s[a][a] -= t * s[a][b];
-  s[b][b] += t * s[a][b];
-  s[a][b] = s[b][a] = 0;
-  const double ofA = c * s[a][other] - d * s[b][other];
-  const double ofB = d * s[a][other] + c * s[b][other];
-  s[a][other] = s[other][a] = ofA;
-  s[b][other] = s[other][b] = ofB;
-  const Vector3d first = c * turns[a] - d * turns[b];
-  turns[b] = d * turns[a] + c * turns[b];
-  turns[a] = first;
-}
-
-Vector3d FindUnit(const Vector3d& along, const Vector3d& otherwise) {
-  const double length = std::sqrt(along.dot(along));
-  return length > 1e-9 ? Vector3d(along / length) : otherwise;
-}
-
-// By the eigenvectors of FᵀF. u₃ and v₃ follow from the others, so that both systems are right-handed and σ₃ has J's
-// sign.
-Stretches FindStretches(const CornerColumns& f) {
-  std::array<std::array<double, 3>, 3> s;
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 3; ++j) s[i][j] = f[i].dot(f[j]);
-  }
-  CornerColumns turns{Vector3d::UnitX(), Vector3d::UnitY(), Vector3d::UnitZ()};
-  constexpr int kSweeps = 6;
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    Diagonalise(0, 1, s, turns);
-    Diagonalise(0, 2, s, turns);
-    Diagonalise(1, 2, s, turns);
-  }
-  std::array<std::size_t, 3> order{0, 1, 2};
-  const auto sort = [&](std::size_t i, std::size_t j) {
-    if (s[order[i]][order[i]] < s[order[j]][order[j]]) std::swap(order[i], order[j]);
-  };
-  sort(0, 1);
-  sort(1, 2);
-  sort(0, 1);
-  const auto apply = [&f](const Vector3d& v) { return Vector3d(v[0] * f[0] + v[1] * f[1] + v[2] * f[2]); };
-  Stretches stretches;
-  auto& [values, left, right] = stretches;
-  right = {turns[order[0]], turns[order[1]], turns[order[0]].cross(turns[order[1]])};
-  left[0] = FindUnit(apply(right[0]), Vector3d::UnitX());
-  const Vector3d second = apply(right[1]);
-  const Vector3d across = std::fabs(left[0].x()) < 0.7 ? Vector3d::UnitX() : Vector3d::UnitY();
-  left[1] = FindUnit(second - left[0].dot(second) * left[0], left[0].cross(across).normalized());
-  left[2] = left[0].cross(left[1]);
-  for (std::size_t i = 0; i < 3; ++i) values[i] = left[i].dot(apply(right[i]));
-  return stretches;
-}
-
 // −f'.
 double FindPull(double stretch) { return std::clamp(kFoldStretch - stretch, 0.0, kMostMissing); }
-
-// v less the rigid motion that fits it best, for points of equal mass.
-void RemoveRigidMotion(std::span<const Vector3d> x, std::span<Vector3d> v) {
-  const double count = static_cast<double>(x.size());
-  Vector3d centre = Vector3d::Zero();
-  Vector3d mean = Vector3d::Zero();
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    centre += x[i] / count;
-    mean += v[i] / count;
-  }
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
-  Vector3d momentum = Vector3d::Zero();
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const Vector3d r = x[i] - centre;
-    for (int a = 0; a < 3; ++a) {
-      for (int b = 0; b < 3; ++b) inertia(a, b) += (a == b ? r.dot(r) : 0) - r[a] * r[b];
-    }
-    momentum += r.cross(v[i]);
-  }
-  // Points on a line have no momentum about it, and any turning about it will do.
-  const double slack = 1e-12 * (inertia(0, 0) + inertia(1, 1) + inertia(2, 2));
-  const Vector3d a(inertia(0, 0) + slack, inertia(1, 0), inertia(2, 0));
-  const Vector3d b(inertia(0, 1), inertia(1, 1) + slack, inertia(2, 1));
-  const Vector3d c(inertia(0, 2), inertia(1, 2), inertia(2, 2) + slack);
-  const double determinant = a.dot(b.cross(c));
-  Vector3d turning = Vector3d::Zero();
-  if (determinant > 0) {
-    turning = Vector3d(momentum.dot(b.cross(c)), momentum.dot(c.cross(a)), momentum.dot(a.cross(b))) / determinant;
-  }
-  for (std::size_t i = 0; i < x.size(); ++i) v[i] -= mean + turning.cross(x[i] - centre);
-}
 
 // Adds −γ m of what v is more than a rigid motion, by so much as the corner is folded, to the pulls on the corner's
 // three neighbours. What its own vertex gets is what balances them.
@@ -179,7 +80,7 @@ void AddDamping(const Cells<Real>& cells, const Corner& corner, double share, st
     places[count] = x[corner.vertices[i]].template cast<double>();
     rates[count++] = v[corner.vertices[i]].template cast<double>();
   }
-  RemoveRigidMotion(std::span(places).first(count), std::span(rates).first(count));
+  RemoveRigidMotion({}, std::span(places).first(count), std::span(rates).first(count));
   const double rate = share * double{cells.damping} * double{cells.cornerMass};
   pulls[0] -= rate * rates[1];
   if (!isPlanar) pulls[1] -= rate * rates[2];
@@ -188,7 +89,7 @@ void AddDamping(const Cells<Real>& cells, const Corner& corner, double share, st
 
 // The largest part by which an edge along any axis differs from the one of `like` along it, squared.
 template <class Real>
-Real FindSpread(const Cells<Real>& cells, const CornerColumns& like, std::span<const Vector3<Real>> x) {
+Real FindSpread(const Cells<Real>& cells, const Columns& like, std::span<const Vector3<Real>> x) {
   constexpr std::size_t kWidth = 32 / sizeof(Real);
   using V = typename LanesOf<Real, static_cast<int>(kWidth)>::Type;
   const auto load = [](const Real* from) {
@@ -237,7 +138,7 @@ bool AreAlike(const Cells<Real>& cells, std::span<const Vector3<Real>> x) {
     middle.vertices[axis + 1] = static_cast<std::uint16_t>(middle.vertices[0] + cells.strides[axis]);
     middle.signs[axis] = 1;
   }
-  const CornerColumns f = FindColumns(cells, middle, x);
+  const Columns f = FindColumns(cells, middle, x);
   if (!(f[0].dot(f[1].cross(f[2])) > 0)) return false;
   const double across[] = {std::fabs(f[1].dot(f[2])), std::fabs(f[2].dot(f[0])), std::fabs(f[0].dot(f[1]))};
   double least = f[0].dot(f[0]) - across[1] - across[2];
@@ -276,7 +177,7 @@ bool HasFolds(const Cells<Real>& cells, std::span<const Vector3<Real>> x) {
   const auto mayHold = [&](std::uint16_t first) { return MayHoldFolds(cells, first, x); };
   if (std::ranges::none_of(cells.first, mayHold)) return false;
   return VisitCorners(cells, [&](const Corner& corner) {
-    const CornerColumns f = FindColumns(cells, corner, x);
+    const Columns f = FindColumns(cells, corner, x);
     return MayBeFolded(f) && FindStretches(f).values[2] < kFoldStretch;
   });
 }
@@ -286,7 +187,7 @@ void AddUnfolding(const Cells<Real>& cells, Real factor, std::span<const Vector3
                   std::span<const Vector3<Real>> v, std::span<Vector3<Real>> forces) {
   const double force = double{factor} * double{cells.stiffness} / double{cells.edge};
   VisitCorners(cells, [&](const Corner& corner) {
-    const CornerColumns f = FindColumns(cells, corner, x);
+    const Columns f = FindColumns(cells, corner, x);
     if (!MayBeFolded(f)) return false;
     const Stretches stretches = FindStretches(f);
     const double deepest = FindPull(stretches.values[2]);
@@ -318,7 +219,7 @@ double FindFoldStrength(double time) {
 double ComputeFoldEnergy(const Cells<double>& cells, std::span<const Vector3d> x) {
   double energy = 0;
   VisitCorners(cells, [&](const Corner& corner) {
-    const CornerColumns f = FindColumns(cells, corner, x);
+    const Columns f = FindColumns(cells, corner, x);
     if (!MayBeFolded(f)) return false;
     for (const double stretch : FindStretches(f).values) {
       const double pull = FindPull(stretch);

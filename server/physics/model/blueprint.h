@@ -85,6 +85,13 @@ struct ContactParameters {
   Real range = 0;              // contacts are listed up to this distance (magnetic: no force beyond), m; penalty: 0
 };
 
+// The shape that a body gets back when it has lost it; the force law is that of methods/recovery.h.
+struct ShapeAim {
+  std::vector<Vector3d> rest;  // one place a vertex, centre of mass at the origin, m; empty: the body has no aim
+  double squareFrequency = 0;  // κ, 1/s²
+  double damping = 0;          // γ, 1/s
+};
+
 // The numbers that the force terms read, in the kernel's precision.
 template <class Real>
 struct Coefficients {
@@ -97,6 +104,7 @@ struct Coefficients {
   std::vector<Hinge<Real>> hinges;            // of a sheet that resists bending; others have none
   Real hingeFloorSquare = 0;                  // δ₀² of methods/bending.h, m²
   Cells<Real> cells;                          // of a lattice; others have none
+  ShapeAim aim;                               // none: of bodies that have no shape to get back
   std::vector<Face> faces;
   // A planar body lives in the plane y = 0 of its own: nothing accelerates it along y. Its gas is enclosed by
   // `outline`, edges that go round it counter-clockwise as seen from −y, and gas quantities are per metre of depth.
@@ -138,6 +146,10 @@ struct Blueprint {
   // topology.sides, of radius 0.
   std::vector<EdgeEnds> edges;
   double edgeRadius = 0;
+  // Edges by which skins meet one another (contact/edge_contact.h): borders, and sides at which the rest shape is
+  // convex and bends by more than kSharpCosine; and what the faces at each have beside it.
+  std::vector<EdgeEnds> sharpEdges;
+  std::vector<EdgeWings> sharpWings;
   double rodRadius = 0;  // set by the maker of a body without faces: of its particles and springs, m
   // Edges that meet others of the same body (contact/self_contact.h), and their radius, m; 0: the body does not meet
   // itself. A skin in space has balls at its vertices, other bodies have `edges`.
@@ -182,10 +194,27 @@ struct Blueprint {
   }
 };
 
-// The edges of a body that meet those of others; places in this list name them.
-[[nodiscard]] inline const std::vector<EdgeEnds>& FindMeetingEdges(const Blueprint& blueprint) {
+// Whether edges of two bodies meet as rods: vertices against faces see nothing where one of them has no faces, or where
+// both lie in a plane.
+[[nodiscard]] inline bool MeetByRods(const Blueprint& first, const Blueprint& second) {
+  return first.rodRadius > 0 || second.rodRadius > 0 || (first.full.planar && second.full.planar);
+}
+
+// Whether any edges of two bodies meet: as rods, or the sharp edges of two skins.
+[[nodiscard]] inline bool MeetByEdges(const Blueprint& first, const Blueprint& second) {
+  return MeetByRods(first, second) || (!first.sharpEdges.empty() && !second.sharpEdges.empty());
+}
+
+// The edges of a body that meet those of another; places in this list name them.
+[[nodiscard]] inline const std::vector<EdgeEnds>& FindMeetingEdges(const Blueprint& blueprint, const Blueprint& other) {
+  if (!MeetByRods(blueprint, other)) return blueprint.sharpEdges;
   return blueprint.edges.empty() ? blueprint.topology.sides : blueprint.edges;
 }
+
+// Cosine of the angle between the normals of two faces, about 40°, below which the edge between them is sharp: an
+// icosahedron's edges (42°) are, those of a ball of 42 vertices (18°, 23°) are not. Vertices against faces see
+// smooth skins as finely as they are drawn, and many sharp edges cost much.
+inline constexpr double kSharpCosine = 0.77;
 
 // Repulsion does not grow further once the ends of a spring are nearer than this share of the rest length.
 inline constexpr double kRepulsionFloorShare = 0.5;

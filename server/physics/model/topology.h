@@ -11,6 +11,8 @@ namespace wobble::physics {
 using Face = std::array<std::uint16_t, 3>;  // vertices, counter-clockwise seen from outside
 
 using EdgeEnds = std::array<std::uint16_t, 2>;  // vertices
+// The corners of the two faces at an edge that are not its ends; of a border the only one, twice.
+using EdgeWings = std::array<std::uint16_t, 2>;
 
 inline constexpr std::uint16_t kNoFace = 0xFFFF;
 

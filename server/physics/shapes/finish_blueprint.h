@@ -31,6 +31,9 @@ void SetIntegrator(Blueprint& blueprint, Integrator integrator);
 // Sets the cells of a lattice, in both precisions. To be called after FinishBlueprint.
 void SetCells(Blueprint& blueprint, Cells<double> cells);
 
+// Makes the rest shape what the body recovers to, in both precisions. To be called after FinishBlueprint and SetCells.
+void SetAim(Blueprint& blueprint);
+
 // Range and default of `magnetic_strength`, N·m².
 inline constexpr double kMinMagneticStrength = 1e-7;
 inline constexpr double kMaxMagneticStrength = 100;

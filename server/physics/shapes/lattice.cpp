@@ -241,6 +241,7 @@ Blueprint MakeLattice(const LatticeDefinition& definition) {
       MakeContactParameters(material, FindMeanOuterMass(grid, blueprint.full.masses), FindHalfWidth(definition));
   FinishBlueprint(blueprint);
   SetCells(blueprint, MakeCells(blueprint, a, FindCellMass(definition)));
+  SetAim(blueprint);
   return blueprint;
 }
 

@@ -218,6 +218,7 @@ Built Build(const MeshDefinition& definition) {
     built.change = std::sqrt(squares / static_cast<double>(before.size())) / mesh.size;
   }
   FinishBlueprint(mesh);
+  if (hasGas && mesh.coreRadius > 0) SetAim(mesh);
   return built;
 }
 

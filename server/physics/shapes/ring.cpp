@@ -6,11 +6,19 @@
 // Laplace's law for a polygon. Radial springs are compressed and pass on the load that the rings inside do not bear;
 // diagonals are at rest. So the rest lengths are known and the stated radii exact, without the relaxation that a ball
 // needs.
+//
+// That balance has to be stable. Where the innermost ring, of radius a, turns by φ inside the next, of radius b, every
+// compressed radial spring of length s = b − a and force F gives way with −F ab/s, and its two diagonals, of length d,
+// hold with 2k (ab sin(2π/p)/d)²; so the ring turns over where
+//   F > 2k s · ab sin²(2π/p)/d²,   d² = s² + 4ab sin²(π/p).
+// The least eigenvalue of the stiffness at rest says the same of two layers; five layers of few points give way by
+// other modes at 0.6 of it, and rings that are near the limit turn over when they fall. Half of it is allowed.
 #include "server/physics/shapes/ring.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "server/physics/contact/contact.h"
 #include "server/physics/shapes/finish_blueprint.h"
@@ -48,12 +56,27 @@ double FindTension(const Layout& layout, const Material& material) {
   return FindGaugePressure(layout, material) * layout.innerRadius * std::cos(layout.HalfAngle()) / layout.layers;
 }
 
-// The most gas, J, whose tension leaves the innermost springs kMinRestShare of their length.
-double FindMostGas(const Layout& layout, const Material& material) {
-  const double length = 2 * layout.innerRadius * std::sin(layout.HalfAngle());
-  const double tension = (1 - kMinRestShare) * material.stiffness * length;
+// The most gas, J, that the springs hold, and what happens with more.
+struct GasLimit {
+  double gas;
+  const char* beyond;
+};
+
+GasLimit FindMostGas(const Layout& layout, const Material& material) {
+  const double halfSine = std::sin(layout.HalfAngle());
+  double tension = (1 - kMinRestShare) * material.stiffness * 2 * layout.innerRadius * halfSine;
+  const char* beyond = "its springs would vanish";
+  if (layout.layers > 1) {
+    const double product = layout.innerRadius * (layout.innerRadius + layout.spacing);
+    const double diagonal = layout.spacing * layout.spacing + 4 * product * halfSine * halfSine;  // squared
+    const double sine = std::sin(2 * layout.HalfAngle());
+    const double compression = material.stiffness * layout.spacing * product * sine * sine / diagonal;
+    const double turning = compression / (2 * halfSine * (layout.layers - 1));
+    if (turning < tension) beyond = "its inner ring would turn over";
+    tension = std::min(tension, turning);
+  }
   const double pressure = tension * layout.layers / (layout.innerRadius * std::cos(layout.HalfAngle()));
-  return (pressure + material.ambientPressure) * layout.InnerArea();
+  return {(pressure + material.ambientPressure) * layout.InnerArea(), beyond};
 }
 
 void AddSprings(const Layout& layout, const Material& material, double vertexMass, Blueprint& blueprint) {
@@ -125,12 +148,12 @@ std::vector<FieldError> ValidateRing(const RingDefinition& d) {
 
   const Layout layout(d);
   const double pressure = FindGaugePressure(layout, m);
-  const std::string most = std::to_string(FindMostGas(layout, m));
+  const GasLimit most = FindMostGas(layout, m);
   CheckField(errors, "gas", m.gas, d.layers > 1 || m.gas > 0, "above 0 J: a single ring is held open by its gas alone");
   CheckField(errors, "gas", m.gas, pressure >= 0, "more, or ambient_pressure lower: the ring would be crushed");
-  CheckField(
-      errors, "gas", m.gas, m.gas <= FindMostGas(layout, m),
-      ("at most " + most + " J for this radius, stiffness and ambient_pressure, or its springs would vanish").c_str());
+  const std::string range =
+      "at most " + std::to_string(most.gas) + " J for these radii, stiffness and ambient_pressure, or " + most.beyond;
+  CheckField(errors, "gas", m.gas, m.gas <= most.gas, range.c_str());
   if (errors.empty()) CheckStiffness(errors, m, MakeRing(d));
   return errors;
 }
@@ -161,6 +184,7 @@ Blueprint MakeRing(const RingDefinition& definition) {
   SetRepulsion(blueprint, material.repulsion);
   full.contact = MakeContactParameters(material, vertexMass, definition.radius);
   FinishBlueprint(blueprint);
+  SetAim(blueprint);
   return blueprint;
 }
 

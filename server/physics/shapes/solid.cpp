@@ -110,6 +110,7 @@ Blueprint MakeFilled(const SolidDefinition& d, const TetrahedralMesh& mesh) {
   material.contactStiffness = d.contactStiffness;
   full.contact = MakeContactParameters(material, FindMeanSkinMass(full), FindHalfBreadth(d, SumVolumes(mesh)));
   FinishBlueprint(blueprint);
+  SetAim(blueprint);
   return blueprint;
 }
 

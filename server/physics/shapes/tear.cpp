@@ -116,6 +116,7 @@ Blueprint MakeTornBlueprint(const Blueprint& blueprint, std::span<const std::uin
   left.single.faces = left.full.faces;
   RemoveCells(gone, left.full.cells);
   RemoveCells(gone, left.single.cells);
+  left.full.aim = left.single.aim = {};
   left.topology = MakeTopology(left.full.faces, left.rest.size());
   MakePlans(left);
   return left;

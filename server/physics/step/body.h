@@ -72,7 +72,8 @@ struct Body {
   double selfAgitation = 0;
   bool asleep = false;    // neither stepped nor searched for contacts until something wakes it
   int quietTicks = 0;     // in a row so far (sleep.h)
-  int invertedTicks = 0;  // in a row so far that ended with the body inside out, or began with a lattice folded
+  int invertedTicks = 0;  // in a row so far that ended with the body inside out
+  int lostTicks = 0;      // in a row so far that began with its shape lost; while above 0, each tick looks again
   int tornTicks = 0;      // since a spring tore that its blueprint still has; 0: none has
 };
 

@@ -155,7 +155,7 @@ class BodySystem {
                                             std::span<const Vector3<Real>> v) const {
     const auto [first, second] = contactPair.members;
     return MakeEdgeMeeting<Real>(*m_members[first], SliceOf(x, first), SliceOf(v, first), *m_members[second],
-                                 SliceOf(x, second), SliceOf(v, second));
+                                 SliceOf(x, second), SliceOf(v, second), contactPair.gap);
   }
 
   // The threads that ForEach uses.

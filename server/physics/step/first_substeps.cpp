@@ -54,9 +54,10 @@ int AddAllContactLoads(std::span<Member<Real>* const> members, std::span<const C
     if (contactPair.core != nullptr)
       AddCoreLoads<Real>(*contactPair.core, *members[first], *members[second], loadsOf(first), loadsOf(second));
     if (contactPair.edges == nullptr) continue;
-    most = std::max(most, AddEdgeContactLoads<Real>(contactPair.parameters,
-                                                    MakeEdgeMeeting<Real>(*members[first], *members[second]),
-                                                    *contactPair.edges, duration, loadsOf(first), loadsOf(second)));
+    most = std::max(most,
+                    AddEdgeContactLoads<Real>(contactPair.parameters,
+                                              MakeEdgeMeeting<Real>(*members[first], *members[second], contactPair.gap),
+                                              *contactPair.edges, duration, loadsOf(first), loadsOf(second)));
   }
   return most;
 }

@@ -53,8 +53,8 @@ ElasticChange FindElasticChange(const BodySystem<Real>& system, const Island& is
     }
     const std::span<const EdgeContact<Real>> contactsBefore = system.EdgeContactsBefore(pair);
     if (contactsBefore.empty()) continue;
-    const double before =
-        ComputeEdgeContactEnergy<Real>(contactPair.parameters, MakeEdgeMeeting<Real>(first, second), contactsBefore);
+    const double before = ComputeEdgeContactEnergy<Real>(
+        contactPair.parameters, MakeEdgeMeeting<Real>(first, second, contactPair.gap), contactsBefore);
     const double after = ComputeEdgeContactEnergy<Real>(
         contactPair.parameters, system.MeetEdges(contactPair, scratch.positions, scratch.velocities),
         *contactPair.edges);

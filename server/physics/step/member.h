@@ -44,7 +44,7 @@ struct Member {
   Survey<Real> survey;                    // at the begin of the tick; of a sleeping body when it fell asleep
   SurfaceDemands demands;                 // of the listed contacts with surfaces
   int substepsForError = 1;               // that the errors of the last ticks ask for
-  bool isFolded = false;                  // as the tick begins: cells of a lattice, or an outline that goes round twice
+  bool hasLostShape = false;              // as the tick begins (methods/recovery.h)
   // Written by the step:
   double error = 0;               // estimated, of the last try, RMS over vertices, m
   bool insideOut = false;         // at the end of the last try: a closed body with gas encloses no volume
@@ -103,42 +103,41 @@ template <class Real>
           .shift = shift.cast<Real>()};
 }
 
-// Whether edges of the two bodies meet: vertices against faces see nothing where one of them has no faces, or where
-// both lie in a plane.
-[[nodiscard]] inline bool MeetByEdges(const Blueprint& first, const Blueprint& second) {
-  return first.rodRadius > 0 || second.rodRadius > 0 || (first.full.planar && second.full.planar);
-}
-
 // The edges of a body at positions x, m, and velocities v, m/s, in its own local coordinates.
 template <class Real>
-[[nodiscard]] typename EdgeMeeting<Real>::Body FindEdges(const Blueprint& blueprint, const VectorView<Real>& x,
-                                                         const VectorView<Real>& v) {
-  return {
-      .edges = FindMeetingEdges(blueprint), .x = x, .v = v, .shares = blueprint.template Read<Real>().contactShares};
+[[nodiscard]] typename EdgeMeeting<Real>::Body FindEdges(const Blueprint& blueprint, const Blueprint& other,
+                                                         const VectorView<Real>& x, const VectorView<Real>& v) {
+  typename EdgeMeeting<Real>::Body body{.edges = FindMeetingEdges(blueprint, other),
+                                        .x = x,
+                                        .v = v,
+                                        .shares = blueprint.template Read<Real>().contactShares};
+  if (!MeetByRods(blueprint, other)) body.wings = blueprint.sharpWings;
+  return body;
 }
 
 // The edges of two bodies with positions and velocities as their states have them; of one body with itself if both are
 // the same.
 template <class Real>
 [[nodiscard]] EdgeMeeting<Real> MakeEdgeMeeting(const Blueprint& first, const State<Real>& state,
-                                                const Blueprint& second, const State<Real>& secondState) {
+                                                const Blueprint& second, const State<Real>& secondState, double gap) {
   if (&state == &secondState) return MakeSelfMeeting<Real>(first, state.positions, state.velocities);
-  return {.first = FindEdges<Real>(first, state.positions, state.velocities),
-          .second = FindEdges<Real>(second, secondState.positions, secondState.velocities),
+  return {.first = FindEdges<Real>(first, second, state.positions, state.velocities),
+          .second = FindEdges<Real>(second, first, secondState.positions, secondState.velocities),
           .shift = (state.origin - secondState.origin).template cast<Real>(),
-          .radius = static_cast<Real>(first.edgeRadius + second.edgeRadius)};
+          .radius = static_cast<Real>(MeetByRods(first, second) ? first.edgeRadius + second.edgeRadius : gap)};
 }
 template <class Real>
-[[nodiscard]] EdgeMeeting<Real> MakeEdgeMeeting(const Member<Real>& first, const Member<Real>& second) {
-  return MakeEdgeMeeting<Real>(*first.blueprint, *first.state, *second.blueprint, *second.state);
+[[nodiscard]] EdgeMeeting<Real> MakeEdgeMeeting(const Member<Real>& first, const Member<Real>& second, double gap) {
+  return MakeEdgeMeeting<Real>(*first.blueprint, *first.state, *second.blueprint, *second.state, gap);
 }
 
 // The same at other positions, m, and velocities, m/s, each in its body's local coordinates.
 template <class Real>
 [[nodiscard]] EdgeMeeting<Real> MakeEdgeMeeting(const Member<Real>& first, const VectorView<Real>& x,
                                                 const VectorView<Real>& v, const Member<Real>& second,
-                                                const VectorView<Real>& secondX, const VectorView<Real>& secondV) {
-  EdgeMeeting<Real> meeting = MakeEdgeMeeting(first, second);
+                                                const VectorView<Real>& secondX, const VectorView<Real>& secondV,
+                                                double gap) {
+  EdgeMeeting<Real> meeting = MakeEdgeMeeting(first, second, gap);
   meeting.first.x = x;
   meeting.first.v = v;
   meeting.second.x = secondX;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "server/physics/methods/unfolding.h"
+#include "server/physics/methods/recovery.h"
 #include "server/physics/step/lane_layout.h"
 #include "server/physics/step/row_layout.h"
 
@@ -125,7 +125,7 @@ void Pack<Real, Layout>::BeginStage(int stage) {
     for (const VertexForce<Real>& push : m_bodies.MemberIn(lane).load.pushes) {
       AddOuterForce(lane, push.vertex, push.force);
     }
-    if (m_bodies.MemberIn(lane).load.foldFactor > Real(0)) AddUnfoldingForces(lane, from);
+    if (m_bodies.MemberIn(lane).load.recovery.Act()) AddRecoveryForces(lane, from);
     if (!HasContactKernel(m_body.contact.law)) AddPlainContactForces(lane, from);
   }
   AddPlaneForces(from);
@@ -155,13 +155,13 @@ void Pack<Real, Layout>::AddPlaneForces(const Real* from) {
 }
 
 template <class Real, class Layout>
-void Pack<Real, Layout>::AddUnfoldingForces(std::size_t lane, const Real* from) {
+void Pack<Real, Layout>::AddRecoveryForces(std::size_t lane, const Real* from) {
   for (std::size_t vertex = 0; vertex < m_body.masses.size(); ++vertex) {
     CopyVertex(vertex, lane, from);
     m_scratch.forces[vertex].setZero();
   }
-  AddUnfolding<Real>(m_body.cells, m_bodies.MemberIn(lane).load.foldFactor, m_scratch.positions, m_scratch.velocities,
-                     m_scratch.forces);
+  AddRecovery<Real>(m_body, m_bodies.MemberIn(lane).load.recovery, m_scratch.positions, m_scratch.velocities,
+                    m_scratch.forces);
   for (std::size_t vertex = 0; vertex < m_body.masses.size(); ++vertex) {
     const Vector3<Real>& force = m_scratch.forces[vertex];
     if (!force.isZero(Real(0))) AddOuterForce(lane, vertex, force);

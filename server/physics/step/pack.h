@@ -127,7 +127,7 @@ class Pack {
   void LoadBodies();
   void LoadContacts();
   void AddPlaneForces(const Real* from);
-  void AddUnfoldingForces(std::size_t lane, const Real* from);
+  void AddRecoveryForces(std::size_t lane, const Real* from);
   void AddPlainContactForces(std::size_t lane, const Real* from);
   void AddToSeat(const PackSeat& seat, const Vector3<Real>& force) {
     if (m_scratch.hasOuter[seat.place] == 0) ClearOuter(seat.place);

@@ -16,13 +16,14 @@ void SystemEdges<Real>::Build(std::span<const ContactPair<Real>> contactPairs, s
     const auto [first, second] = contactPair.members;
     const std::size_t begin = m_before.size();
     m_before.insert(m_before.end(), contactPair.edges->begin(), contactPair.edges->end());
-    m_pairs.push_back({.contactPair = i,
-                       .members = contactPair.members,
-                       .contacts = contactPair.edges,
-                       .begin = begin,
-                       .end = m_before.size(),
-                       .parameters = contactPair.parameters,
-                       .meeting = MakeEdgeMeeting<Real>(*members[first], {}, {}, *members[second], {}, {})});
+    m_pairs.push_back(
+        {.contactPair = i,
+         .members = contactPair.members,
+         .contacts = contactPair.edges,
+         .begin = begin,
+         .end = m_before.size(),
+         .parameters = contactPair.parameters,
+         .meeting = MakeEdgeMeeting<Real>(*members[first], {}, {}, *members[second], {}, {}, contactPair.gap)});
   }
   if (m_pairs.empty()) return;
   m_forces.resize(m_before.size());

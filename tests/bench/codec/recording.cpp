@@ -99,8 +99,8 @@ Recording RecordCloth(std::uint64_t seed, double seconds) {
   world.AddBody(0, Vector3d(0, 0, 2.2));
   Random random(seed);
   const auto throwBall = [&] {
-    return world.AddBody(thrown, Vector3d(random.Draw(-1, 1), -3, random.Draw(1.5, 2.5)),
-                         Vector3d(random.Draw(-1, 1), 7, random.Draw(1, 3)));
+    const Vector3d velocity = random.DrawWithin({-1, 7, 1}, {1, 7, 3});
+    return world.AddBody(thrown, random.DrawWithin({-1, -3, 1.5}, {1, -3, 2.5}), velocity);
   };
   BodyId ball = throwBall();
   Recording recording = BeginRecording(world);

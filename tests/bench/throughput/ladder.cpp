@@ -78,8 +78,11 @@ double FindFilledShare(const World& world) {
   const Blueprint& blueprint = world.Blueprints()[0];
   std::map<int, std::size_t> rungs;
   for (const Body& body : world.Bodies()) {
-    const int stable = ChooseSubsteps<float>(blueprint.integrator, blueprint, {}, std::get<State<float>>(body.state),
-                                             {}, {}, world.Settings().tickDuration);
+    const auto& state = std::get<State<float>>(body.state);
+    Load<float> load;
+    load.stiffening = FindStiffening<float>(blueprint, state.positions);
+    const int stable =
+        ChooseSubsteps<float>(blueprint.integrator, blueprint, load, state, {}, {}, world.Settings().tickDuration);
     ++rungs[std::max(stable, body.steps.Substeps())];
   }
   const auto width = static_cast<std::size_t>(FindSweepKernels<float>(kWidestPack).back().width);

@@ -8,7 +8,7 @@
 
 #include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/world_state.h"
-#include "tests/bench/stability/stress_shots.h"
+#include "tests/bench/stress/shots.h"
 #include "tests/physics/bodies.h"
 
 namespace wobble::physics {

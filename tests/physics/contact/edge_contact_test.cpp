@@ -39,7 +39,7 @@ struct TwoEdges {
     Material material;
     material.stiffness = 1000;
     parameters = MakeContactParameters(material, 1, 0.5);
-    contact.touching = true;
+    contact.phase = EdgePhase::kTouching;
     // Move the first edge so that both are 2 to 5 cm apart, whatever their nearest points are.
     for (int i = 0; i < 3; ++i) {
       const EdgeView<double> view = See(Vector3d::Zero());
@@ -74,7 +74,7 @@ TEST(EdgeContact, NormalForceIsTheGradientOfTheEnergy) {
   int acted = 0;
   for (int trial = 0; trial < 300; ++trial) {
     TwoEdges two(random);
-    two.contact.touching = false;
+    two.contact.phase = EdgePhase::kFree;
     two.parameters.stickDamping = 0;
     std::ranges::fill(two.v, Vector3d::Zero());
     const EdgeForce<double> force = two.Force();

@@ -5,7 +5,7 @@
 #include "server/physics/contact/body_contact_update.h"
 #include "server/physics/contact/body_contact_view.h"
 #include "server/physics/shapes/material.h"
-#include "tests/bench/stability/stress_shots.h"
+#include "tests/bench/stress/shots.h"
 
 namespace wobble::physics {
 namespace {

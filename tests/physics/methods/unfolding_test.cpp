@@ -159,7 +159,7 @@ TEST(Unfolding, FindsFoldsAsSingularValuesDo) {
     int folded = 0;
     for (int trial = 0; trial < 600; ++trial) {
       Shape x = blueprint.rest;
-      Vector3d stretch(random.Draw(0.3, 1.5), 1, random.Draw(0.3, 1.5));
+      const Vector3d stretch = random.DrawWithin({0.3, 1, 0.3}, {1.5, 1, 1.5});
       for (Vector3d& at : x) at = at.cwiseProduct(stretch);
       AddDisorder(blueprint, random.Draw(0, 0.1), random, x);
       const bool isFolded = FindThinnest(blueprint, x) < kFoldStretch;

@@ -13,7 +13,13 @@ namespace {
 void ExpectRecovered(Broken how) {
   BallDefinition coarse;
   coarse.subdivisions = 1;
-  const Blueprint blueprints[] = {MakeBall(coarse), MakeBall({}), MakeRing({})};
+  RingDefinition layered;
+  layered.layers = 3;
+  LatticeDefinition cuboid = MakeJellyCube();
+  cuboid.cells = {4, 2, 3};
+  const Blueprint blueprints[] = {MakeBall(coarse),   MakeBall({}),      MakeOblong(),
+                                  MakeRing({}),       MakeRing(layered), MakeSolid(MakeSolidBox({2, 1, 1}, 0.45)),
+                                  MakeLattice(cuboid)};
   for (const Blueprint& blueprint : blueprints) {
     for (std::uint64_t seed = 1; seed <= 8; ++seed) {
       bench::Random random(seed);
@@ -29,6 +35,24 @@ TEST(Recovery, FromFlat) { ExpectRecovered(Broken::kFlattened); }
 TEST(Recovery, FromInsideOut) { ExpectRecovered(Broken::kInsideOut); }
 TEST(Recovery, FromFolded) { ExpectRecovered(Broken::kFolded); }
 TEST(Recovery, FromRandomPlaces) { ExpectRecovered(Broken::kRandom); }
+
+// At random places elements are stretched by their own length and more, and their stiffness grows with the fourth
+// power: no number of substeps would hold them, and the body was put back.
+TEST(Recovery, OfSolidsWhoseElementsGiveWay) {
+  for (const double poissonRatio : {0.0, 0.45}) {
+    const Blueprint solid = MakeSolid(MakeSolidBox({4, 3, 5}, poissonRatio));
+    bench::Random random(2);
+    World world(WorldSettings{});
+    world.AddObstacle({});
+    const Vector3d place(0, 0, 1.2 * solid.reach);
+    const BodyId id = world.AddBody(world.AddBlueprint(solid), place);
+    std::vector<Vector3d> start = Break(Broken::kRandom, solid, random);
+    for (Vector3d& at : start) at += place;
+    world.SetMotion(id, start, std::vector<Vector3d>(start.size(), Vector3d::Zero()));
+    for (int tick = 0; tick < 120; ++tick) ASSERT_EQ(world.Step().quarantined, 0U) << poissonRatio << " " << tick;
+    EXPECT_LT(FindShapeDistance(ListPositions(world, id), solid.rest), 0.25 * solid.size) << poissonRatio;
+  }
+}
 
 LatticeDefinition DescribeLattice(const std::array<int, 3>& cells) {
   LatticeDefinition lattice;
