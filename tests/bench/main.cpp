@@ -206,7 +206,7 @@ int Run(const Report& report, const Options& options) {
   }
   Results results;
   {
-    Progress progress(report.name, 1, [] { return g_stopAsked.load(); });
+    Progress progress(report.name, [] { return g_stopAsked.load(); });
     Bench bench{options, progress, results};
     try {
       report.run(bench);

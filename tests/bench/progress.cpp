@@ -10,18 +10,20 @@
 namespace wobble::bench {
 namespace {
 
-constexpr double kShowEvery = 0.2;  // s
+// s; in a log a line each time, and none for a run of less than a minute.
+constexpr double kShowEvery = 0.2;
+constexpr double kShowEveryInLog = 60;
 // Below this share of the work, an estimate of the time left is meaningless.
 constexpr double kLeastShare = 0.02;
 
 }  // namespace
 
-Progress::Progress(std::string report, double shares, std::function<bool()> isStopAsked)
+Progress::Progress(std::string report, std::function<bool()> isStopAsked)
     : m_report(std::move(report)),
-      m_shares(shares),
       m_isStopAsked(std::move(isStopAsked)),
       m_terminal(isatty(STDERR_FILENO) != 0),
-      m_began(command::ReadClock()) {}
+      m_began(command::ReadClock()),
+      m_shown(m_began) {}
 
 Progress::~Progress() {
   if (m_terminal) std::fprintf(stderr, "\r\033[K");
@@ -37,12 +39,12 @@ void Progress::Begin(const std::string& part, double share) {
 void Progress::Show(std::size_t done, std::size_t count) {
   const std::lock_guard lock(m_mutex);
   const double now = command::ReadClock();
-  if (!m_terminal || now < m_shown + kShowEvery) return;
+  if (now < m_shown + (m_terminal ? kShowEvery : kShowEveryInLog)) return;
   m_shown = now;
-  const double share = (m_before + m_share * static_cast<double>(done) / static_cast<double>(count)) / m_shares;
-  std::fprintf(stderr, "\r%s: %s %zu/%zu", m_report.c_str(), m_part.c_str(), done, count);
+  const double share = m_before + m_share * static_cast<double>(done) / static_cast<double>(count);
+  std::fprintf(stderr, "%s%s: %s %zu/%zu", m_terminal ? "\r" : "", m_report.c_str(), m_part.c_str(), done, count);
   if (share > kLeastShare) std::fprintf(stderr, ", %ld s left", std::lround((now - m_began) * (1 / share - 1)));
-  std::fprintf(stderr, "\033[K");
+  std::fputs(m_terminal ? "\033[K" : "\n", stderr);
   std::fflush(stderr);
 }
 

@@ -1,4 +1,4 @@
-// Shows the progress of a report with an estimate of the time left; silent when standard error is no terminal.
+// Shows the progress of a report with an estimate of the time left: in a terminal in one line, else a line a minute.
 #pragma once
 
 #include <functional>
@@ -9,13 +9,12 @@ namespace wobble::bench {
 
 class Progress {
  public:
-  // shares: the sum of the shares of all parts, in any unit proportional to time.
-  Progress(std::string report, double shares, std::function<bool()> isStopAsked);
+  Progress(std::string report, std::function<bool()> isStopAsked);
   ~Progress();  // takes the line away
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  // Begins the next part of the report; share: its part of the whole.
+  // Begins the next part of the report; share: its part of the time of all that are played.
   void Begin(const std::string& part, double share);
   // Shows done of count; may be called from any thread.
   void Show(std::size_t done, std::size_t count);
@@ -24,7 +23,6 @@ class Progress {
 
  private:
   std::string m_report;
-  double m_shares;
   std::function<bool()> m_isStopAsked;
   bool m_terminal;
   double m_began;
@@ -32,7 +30,7 @@ class Progress {
   std::string m_part;
   double m_before = 0;  // shares of finished parts
   double m_share = 0;   // of the current part
-  double m_shown = 0;   // time of the last output
+  double m_shown;       // time of the last output
 };
 
 }  // namespace wobble::bench

@@ -1,5 +1,5 @@
 // A random generator with the same draws on every compiler and library; the distributions of the standard library
-// differ.
+// differ. An expression draws once: the order of two operands or arguments is the compiler's.
 #pragma once
 
 #include <cmath>
@@ -28,6 +28,15 @@ class Random {
     return least + static_cast<int>(Choose(static_cast<std::size_t>(most - least + 1)));
   }
   bool Happens(double probability) { return Draw(0, 1) < probability; }
+  // In a box: z first, x last, since compilers differ in the order of a call's arguments. What low and high share takes
+  // no draw.
+  physics::Vector3d DrawWithin(const physics::Vector3d& low, const physics::Vector3d& high) {
+    physics::Vector3d at = low;
+    for (int axis = 2; axis >= 0; --axis) {
+      if (low[axis] < high[axis]) at[axis] = Draw(low[axis], high[axis]);
+    }
+    return at;
+  }
   physics::Vector3d DrawDirection() {
     constexpr double kTurn = 2 * 3.14159265358979323846;
     const double z = Draw(-1, 1);

@@ -14,11 +14,13 @@ void MeasureParts(Bench& bench, std::span<const Part> parts) {
     for (const Part& part : parts) names += (names.empty() ? "" : ", ") + std::string(part.name);
     throw UnknownPart("no part with '" + bench.options.part + "' in its name, there are: " + names);
   }
+  const auto isPlayed = [&](const Part& part) { return isChosen(part) && (part.hasTrials || !bench.options.trial); };
+  double shares = 0;
+  for (const Part& part : parts) shares += isPlayed(part) ? part.share : 0;
   for (const Part& part : parts) {
     if (bench.progress.IsStopAsked()) return;
-    if (!isChosen(part)) continue;
-    if (bench.options.trial && !part.hasTrials) continue;
-    bench.progress.Begin(part.name, part.share);
+    if (!isPlayed(part)) continue;
+    bench.progress.Begin(part.name, part.share / shares);
     part.measure(bench);
   }
 }

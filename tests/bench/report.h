@@ -44,7 +44,7 @@ struct Bench {
 // A part of a report, in order of measurement.
 struct Part {
   const char* name;
-  double share;  // of the time of all parts
+  double share;  // of the time of all parts, in any unit
   void (*measure)(Bench& bench);
   bool hasTrials = false;  // --trial plays one of its trials
 };

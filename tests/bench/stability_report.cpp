@@ -6,12 +6,14 @@ namespace wobble::bench {
 
 void ReportStability(Bench& bench) {
   constexpr Part kParts[] = {
-      {"limits", 0.05, &MeasureLimits},
-      {"perturbations", 0.02, &MeasurePerturbations},
-      {"growth", 0.03, &MeasureGrowth},
-      {"broken states", 0.1, &MeasureBrokenStates},
-      {"stress", 0.1, &MeasureStress},
-      {.name = "random trials", .share = 0.7, .measure = &MeasureRandomTrials, .hasTrials = true},
+      // shares: minutes of a full run
+      {"limits", 3, &MeasureLimits},
+      {"perturbations", 1, &MeasurePerturbations},
+      {"growth", 1, &MeasureGrowth},
+      {"broken states", 13, &MeasureBrokenStates},
+      {"stress", 4, &MeasureStress},
+      {"stacks", 45, &MeasureStressStacks},
+      {.name = "random trials", .share = 35, .measure = &MeasureRandomTrials, .hasTrials = true},
   };
   MeasureParts(bench, kParts);
 }

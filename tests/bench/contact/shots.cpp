@@ -160,7 +160,8 @@ class Trial {
     }
     m_world->AddObstacle(obstacle);
     m_normal = obstacle.normal;
-    m_direction = -(m_normal + 0.8 * m_random.Draw(0, 1) * m_random.DrawDirection()).normalized();
+    const Vector3d aside = m_random.DrawDirection();
+    m_direction = -(m_normal + 0.8 * m_random.Draw(0, 1) * aside).normalized();
     m_world->AddBody(0, (thrown.blueprint.reach + m_gap) * m_normal, m_shot.speed * m_direction);
   }
 
@@ -171,7 +172,7 @@ class Trial {
     m_world->AddBlueprint(MakeSheet(kCells, kCellSize, m_random.Draw(20, 80), 4000));
     const double side = m_random.Choose(2) == 0 ? 1 : -1;
     m_direction = (side * Vector3d(0, 0, -1) + 0.5 * m_random.DrawDirection()).normalized();
-    const Vector3d aim(m_random.Draw(-0.8, 0.8), m_random.Draw(-0.8, 0.8), 0);
+    const Vector3d aim = m_random.DrawWithin({-0.8, -0.8, 0}, {0.8, 0.8, 0});
     m_world->AddBody(0, aim - (thrown.blueprint.reach + m_gap) / std::fabs(m_direction.z()) * m_direction,
                      m_shot.speed * m_direction);
     m_world->AddBody(1, Vector3d::Zero());

@@ -199,7 +199,7 @@ Draft DraftSolid(Random& random, std::size_t vertices) {
   solid.cellSize = random.Draw(0.5, 1.5) / longest;
   if (!isBox) {
     const Icosphere sphere = MakeIcosphere(2);
-    const Vector3d axes(random.Draw(0.3, 0.6), random.Draw(0.3, 0.6), random.Draw(0.3, 0.6));
+    const Vector3d axes = random.DrawWithin({0.3, 0.3, 0.3}, {0.6, 0.6, 0.6});
     for (const Vector3d& at : sphere.vertices) solid.vertices.push_back(at.cwiseProduct(axes));
     solid.faces = sphere.faces;
     solid.cellSize = 2 * axes.mean() / std::clamp(side, 2.5, 7.0);
@@ -226,7 +226,7 @@ Draft DraftMesh(Random& random, std::size_t vertices) {
   MeshDefinition mesh;
   const Icosphere sphere = MakeIcosphere(vertices < 42 ? 0 : vertices < 162 ? 1 : 2);
   const bool open = random.Happens(0.4);
-  const Vector3d axes(random.Draw(0.25, 0.6), random.Draw(0.25, 0.6), random.Draw(0.25, 0.6));
+  const Vector3d axes = random.DrawWithin({0.25, 0.25, 0.25}, {0.6, 0.6, 0.6});
   std::vector<int> places(sphere.vertices.size(), -1);
   for (const Face& face : sphere.faces) {
     const double height = sphere.vertices[face[0]].z() + sphere.vertices[face[1]].z() + sphere.vertices[face[2]].z();

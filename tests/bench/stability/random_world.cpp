@@ -30,7 +30,10 @@ RandomWorld::RandomWorld(std::uint64_t seed, std::uint32_t number, Violence viol
     : m_random(seed * 1000003 + number), m_violence(violence) {
   WorldSettings settings;
   if (m_random.Happens(0.1)) settings.gravity.z() = -m_random.Draw(0, 25);
-  if (m_random.Happens(0.2)) settings.wind = m_random.Draw(0, 15) * m_random.DrawDirection();
+  if (m_random.Happens(0.2)) {
+    const Vector3d direction = m_random.DrawDirection();
+    settings.wind = m_random.Draw(0, 15) * direction;
+  }
   m_world = std::make_unique<World>(settings);
   DrawBlueprints();
   DrawGround();
@@ -94,10 +97,10 @@ void RandomWorld::DrawGround() {
   if (lot <= 4) return AddSlopes();
   Obstacle thing;
   thing.friction = m_random.Draw(0.1, 1);
-  thing.centre = Vector3d(m_random.Draw(-0.5, 0.5), m_random.Draw(-0.5, 0.5), 0);
+  thing.centre = m_random.DrawWithin({-0.5, -0.5, 0}, {0.5, 0.5, 0});
   if (lot == 5) {
     thing.kind = Obstacle::Kind::kBox;
-    thing.halfExtents = Vector3d(m_random.Draw(0.1, 2), m_random.Draw(0.1, 2), m_random.Draw(0.1, 1));
+    thing.halfExtents = m_random.DrawWithin({0.1, 0.1, 0.1}, {2, 2, 1});
     m_floor = thing.halfExtents.z() + 0.05;
     m_place = "box on a plane";
   } else if (lot == 6) {
@@ -107,7 +110,8 @@ void RandomWorld::DrawGround() {
     m_place = "sphere on a plane";
   } else {
     thing.kind = Obstacle::Kind::kCapsule;
-    thing.end = thing.centre + m_random.Draw(0.2, 3) * m_random.DrawDirection();
+    const Vector3d direction = m_random.DrawDirection();
+    thing.end = thing.centre + m_random.Draw(0.2, 3) * direction;
     thing.radius = m_random.Draw(0.1, 0.8);
     m_floor = std::max(0.0, thing.end.z()) + thing.radius;
     m_place = "capsule on a plane";
@@ -180,10 +184,13 @@ void RandomWorld::PlaceBodies() {
     Vector3d position(0, 0, base + spacing * level);
     if (!column)
       position += spacing * Vector3d(static_cast<double>(i % 2) - 0.5, static_cast<double>(i / 2 % 2) - 0.5, 0);
-    position += m_random.Draw(0, 0.2 * m_reach) * Vector3d(m_random.Draw(-1, 1), m_random.Draw(-1, 1), 0);
-    const bool thrown = m_random.Happens(0.3);
-    const Vector3d velocity =
-        thrown ? Vector3d(m_mostSpeed * m_random.Draw(0, 0.7) * m_random.DrawDirection()) : Vector3d::Zero();
+    const Vector3d aside = m_random.DrawWithin({-1, -1, 0}, {1, 1, 0});
+    position += m_random.Draw(0, 0.2 * m_reach) * aside;
+    Vector3d velocity = Vector3d::Zero();
+    if (m_random.Happens(0.3)) {
+      const Vector3d direction = m_random.DrawDirection();
+      velocity = m_mostSpeed * m_random.Draw(0, 0.7) * direction;
+    }
     m_world->AddBody(static_cast<std::uint8_t>(blueprint), position, velocity);
   }
 }
@@ -194,7 +201,8 @@ void RandomWorld::AddDrives() {
     const Blueprint& blueprint = m_world->BlueprintOf(body);
     Drive drive;
     drive.body = body.id;
-    drive.force = m_random.Draw(0, 2) * kGravity * blueprint.totalMass * m_random.DrawDirection();
+    const Vector3d direction = m_random.DrawDirection();
+    drive.force = m_random.Draw(0, 2) * kGravity * blueprint.totalMass * direction;
     drive.gasFactor = m_random.Happens(0.5) ? m_random.Draw(0.7, 1.6) : 1;
     drive.period = m_random.Draw(1, 5);
     drive.begin = 0;

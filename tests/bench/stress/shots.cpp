@@ -10,7 +10,7 @@
 //                    that meet aside of their middles and do not bounce rightly slide past one another
 //
 // `contact --part tunnelling` shoots at most at 50 m/s, and only what can bear it; here nothing can.
-#include "tests/bench/stability/stress_shots.h"
+#include "tests/bench/stress/shots.h"
 
 #include <algorithm>
 #include <cmath>
@@ -88,7 +88,8 @@ class StressRange {
     Vector3d aside = m_random.DrawDirection();
     if (thrown.full.planar) aside.y() = 0;
     const Vector3d direction = (Vector3d(0, 0, -1) + 0.5 * m_random.Draw(0, 1) * aside).normalized();
-    const Vector3d from(m_random.Draw(-0.6, 0.6), thrown.full.planar ? 0 : m_random.Draw(-0.6, 0.6), 0);
+    const double across = thrown.full.planar ? 0 : 0.6;
+    const Vector3d from = m_random.DrawWithin({-0.6, -across, 0}, {0.6, across, 0});
     const double height = m_ceiling + thrown.reach + m_random.Draw(0.05, 0.9);
     const Vector3d start = from - height / std::fabs(direction.z()) * direction;
     m_world->AddBody(0, Vector3d(start.x(), start.y(), m_sign * start.z()),

@@ -1,4 +1,4 @@
-#include "tests/bench/stability/stress_bodies.h"
+#include "tests/bench/stress/bodies.h"
 
 #include <algorithm>
 #include <cmath>
@@ -110,6 +110,19 @@ Blueprint MakeStressBody(StressBody kind, double factor) {
       break;
   }
   return MakeGraph(DescribeTail(factor));
+}
+
+void AddShaft(double half, World& world) {
+  for (const double side : {-1.0, 1.0}) {
+    for (int axis = 0; axis < 2; ++axis) {
+      Obstacle wall;
+      wall.normal = Vector3d::Zero();
+      wall.normal[axis] = side;
+      wall.offset = -half;
+      wall.friction = 0.3;
+      world.AddObstacle(wall);
+    }
+  }
 }
 
 void PlayStress(World& world, double duration, StressOutcome& outcome) {

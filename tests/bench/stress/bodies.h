@@ -18,6 +18,9 @@ inline constexpr StressBody kAllStressBodies[] = {StressBody::kBall162, StressBo
 // factor: on mass, stiffness and gas alike, so that the body moves as the default one does.
 [[nodiscard]] physics::Blueprint MakeStressBody(StressBody kind, double factor = 1);
 
+// Adds four walls round the z axis, at `half` from it, m. Planar bodies stay in their plane without any.
+void AddShaft(double half, physics::World& world);
+
 // What became of the bodies of one trial.
 struct StressOutcome {
   std::uint32_t nonFinite = 0;    // body-ticks

@@ -1,7 +1,7 @@
 // Bodies of every kind shot at what should hold them, faster than they can bear; a number reproduces a shot.
 #pragma once
 
-#include "tests/bench/stability/stress_bodies.h"
+#include "tests/bench/stress/bodies.h"
 
 namespace wobble::bench {
 

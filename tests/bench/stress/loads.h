@@ -1,7 +1,7 @@
 // Loads that no body is made to bear. Each is a trial of its own: a world, a load, two seconds without it.
 #pragma once
 
-#include "tests/bench/stability/stress_bodies.h"
+#include "tests/bench/stress/bodies.h"
 
 namespace wobble::bench {
 
@@ -10,22 +10,20 @@ enum class StressLoad : std::uint8_t {
   kSpin,     // turned so fast that its rim moves at 10 to 60 m/s
   kStretch,  // five times as long along any axis, or in all directions, and let go
   kMasses,   // a body of a thousand times the mass falls on it
-  kStack,    // a hundred on one another in a shaft
   kBag,      // 64 in a bag of cloth
   kCut,      // cut through ten times while a plate, or on a sheet a ball, presses
 };
-inline constexpr StressLoad kAllStressLoads[] = {StressLoad::kCrush,  StressLoad::kSpin,  StressLoad::kStretch,
-                                                 StressLoad::kMasses, StressLoad::kStack, StressLoad::kBag,
-                                                 StressLoad::kCut};
+inline constexpr StressLoad kAllStressLoads[] = {StressLoad::kCrush,  StressLoad::kSpin, StressLoad::kStretch,
+                                                 StressLoad::kMasses, StressLoad::kBag,  StressLoad::kCut};
 [[nodiscard]] const char* NameStressLoad(StressLoad load);
 
 // Whether the load makes sense for such a body: what holds gas cannot be cut, nor has a pair a middle.
 [[nodiscard]] bool IsLoadFor(StressLoad load, StressBody kind);
 
-// Whether a quick run has time for it: stacks and bags only of the bodies that step fastest.
+// Whether a quick run has time for it: bags only of the bodies that step fastest.
 [[nodiscard]] bool IsQuick(StressLoad load, StressBody kind);
 
-// quick: a stack of 12, a bag of 8.
+// quick: a bag of 8.
 [[nodiscard]] StressOutcome PlayLoad(StressLoad load, StressBody kind, std::uint64_t seed, bool quick);
 
 }  // namespace wobble::bench

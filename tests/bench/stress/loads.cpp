@@ -1,6 +1,6 @@
 // Bodies lie in a world with gravity and a floor, except where they spin or snap back: there nothing else acts on them.
 // A load goes by being removed, or where bodies press one another by gravity's end.
-#include "tests/bench/stability/stress_loads.h"
+#include "tests/bench/stress/loads.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,20 +21,6 @@ WorldSettings MakeFreeSettings() {
   WorldSettings settings;
   settings.gravity = Vector3d::Zero();
   return settings;
-}
-
-// Four walls round the z axis, at `half` from it. Planar bodies stay in their plane without any.
-void AddShaft(double half, World& world) {
-  for (const double side : {-1.0, 1.0}) {
-    for (int axis = 0; axis < 2; ++axis) {
-      Obstacle wall;
-      wall.normal = Vector3d::Zero();
-      wall.normal[axis] = side;
-      wall.offset = -half;
-      wall.friction = 0.3;
-      world.AddObstacle(wall);
-    }
-  }
 }
 
 // A plate that covers a body of this reach. Of a ring's and a planar body's plane it is a beam across.
@@ -118,31 +104,6 @@ StressOutcome PlayStretch(StressBody kind, Random& random) {
   return outcome;
 }
 
-StressOutcome PlayStack(StressBody kind, Random& random, bool quick) {
-  StressOutcome outcome;
-  World world(WorldSettings{});
-  const Blueprint body = MakeStressBody(kind);
-  world.AddBlueprint(body);
-  world.AddObstacle({});
-  AddShaft(1.2 * body.reach, world);
-  double low = 0;
-  double high = 0;
-  for (const Vector3d& at : body.rest) {
-    low = std::min(low, at.z());
-    high = std::max(high, at.z());
-  }
-  for (int i = 0; i < (quick ? 12 : 100); ++i) {
-    const double aside = body.full.planar ? 0 : random.Draw(-0.05, 0.05) * body.reach;
-    world.AddBody(0, Vector3d(random.Draw(-0.05, 0.05) * body.reach, aside, 0.05 - low + i * (high - low + 0.05)));
-  }
-  PlayStress(world, 1.5 * kLoadTime, outcome);
-  world.SetGravity(Vector3d::Zero());
-  PlayStress(world, kAfterTime, outcome);
-  NoteInverted(world, outcome);
-  for (const Body& each : world.Bodies()) outcome.through += world.FindCentre(each).z() < 0 ? 1 : 0;
-  return outcome;
-}
-
 // A sheet in a frame across a shaft. What is under it at the end has gone through.
 StressOutcome PlayBag(StressBody kind, Random& random, bool quick) {
   StressOutcome outcome;
@@ -161,7 +122,8 @@ StressOutcome PlayBag(StressBody kind, Random& random, bool quick) {
   const BodyId bagId = world.AddBody(1, Vector3d::Zero());
   for (int i = 0; i < side * side * side; ++i) {
     const Vector3d place(i % side - (side - 1) / 2.0, i / side % side - (side - 1) / 2.0, i / side / side);
-    world.AddBody(0, spacing * place + Vector3d(random.Draw(-0.05, 0.05), random.Draw(-0.05, 0.05), body.reach + 0.05));
+    const Vector3d aside = random.DrawWithin({-0.05, -0.05, 0}, {0.05, 0.05, 0});
+    world.AddBody(0, spacing * place + aside + Vector3d(0, 0, body.reach + 0.05));
   }
   PlayStress(world, 1.5 * kLoadTime, outcome);
   double lowest = 0;
@@ -177,7 +139,8 @@ StressOutcome PlayBag(StressBody kind, Random& random, bool quick) {
 Blade DrawBlade(const World& world, BodyId id, Random& random) {
   const Body& body = world.ReadBody(id);
   const double reach = world.BlueprintOf(body).reach;
-  const Vector3d middle = world.FindCentre(body) + random.Draw(0, 0.5) * reach * random.DrawDirection();
+  const Vector3d aside = random.DrawDirection();
+  const Vector3d middle = world.FindCentre(body) + random.Draw(0, 0.5) * reach * aside;
   const Vector3d normal = random.DrawDirection();
   const Vector3d across = normal.unitOrthogonal();
   const Vector3d other = normal.cross(across);
@@ -202,7 +165,7 @@ StressOutcome PlayCut(StressBody kind, Random& random) {
 }  // namespace
 
 const char* NameStressLoad(StressLoad load) {
-  constexpr const char* kNames[] = {"crush", "spin", "stretch", "masses", "stack", "bag", "cut"};
+  constexpr const char* kNames[] = {"crush", "spin", "stretch", "masses", "bag", "cut"};
   return kNames[static_cast<std::size_t>(load)];
 }
 
@@ -217,10 +180,7 @@ bool IsLoadFor(StressLoad load, StressBody kind) {
   }
 }
 
-bool IsQuick(StressLoad load, StressBody kind) {
-  if (load == StressLoad::kStack) return kind == StressBody::kBall42 || kind == StressBody::kLattice;
-  return load != StressLoad::kBag || kind == StressBody::kBall42;
-}
+bool IsQuick(StressLoad load, StressBody kind) { return load != StressLoad::kBag || kind == StressBody::kBall42; }
 
 StressOutcome PlayLoad(StressLoad load, StressBody kind, std::uint64_t seed, bool quick) {
   Random random(seed);
@@ -233,8 +193,6 @@ StressOutcome PlayLoad(StressLoad load, StressBody kind, std::uint64_t seed, boo
       return PlayStretch(kind, random);
     case StressLoad::kMasses:
       return PlayMasses(kind, random);
-    case StressLoad::kStack:
-      return PlayStack(kind, random, quick);
     case StressLoad::kBag:
       return PlayBag(kind, random, quick);
     case StressLoad::kCut:
