@@ -66,14 +66,12 @@ class Watched {
                  0),
         m_client(m_network.MakeClient(), {.spectator = true}, 0) {}
 
-  // Plays one tick; returns the server's time for it, s.
-  double Step() {
+  // Plays one tick; returns the server's time for it.
+  Took Step() {
     const double now = m_server.NextCall();
-    const double began = ReadThreadTime();
-    m_server.Tick(now);
-    const double time = ReadThreadTime() - began;
+    const Took took = TimeWork([&] { m_server.Tick(now); });
     m_client.Update(now);
-    return time;
+    return took;
   }
   // Whether exactly the ten are awake and the client receives them.
   [[nodiscard]] bool IsWatchedBreathing() const {
@@ -106,11 +104,11 @@ void MeasureAsleep(Bench& bench) {
   Peak peak;
   const int periods = bench.options.quick ? 8 : 60;
   for (int period = 0; period < periods && !bench.progress.IsStopAsked(); ++period) {
-    std::vector<double> times(counts.size());
+    std::vector<Took> took(counts.size());
     for (int tick = 0; tick < kPeriod; ++tick) {
-      for (std::size_t i = 0; i < times.size(); ++i) times[i] += servers[i].Step() / kPeriod;
+      for (std::size_t i = 0; i < took.size(); ++i) took[i] += servers[i].Step();
     }
-    for (std::size_t i = 0; i < times.size(); ++i) fastest[i].Note(times[i]);
+    for (std::size_t i = 0; i < took.size(); ++i) fastest[i].Note(took[i]);
     peak.Measure();
     bench.progress.Show(static_cast<std::size_t>(period) + 1, static_cast<std::size_t>(periods));
   }
@@ -121,9 +119,9 @@ void MeasureAsleep(Bench& bench) {
             .yFromZero = true};
   plot.series = {{"measured", Stroke::kLineAndPoints, {}}, {"the ten alone", Stroke::kDashed, {}}};
   for (std::size_t i = 0; i < counts.size(); ++i) {
-    const double time = fastest[i].Read() * 1e6;
+    const double time = fastest[i].Read() / kPeriod * 1e6;
     plot.series[0].points.push_back({static_cast<double>(counts[i]), time});
-    plot.series[1].points.push_back({static_cast<double>(counts[i]), fastest[0].Read() * 1e6});
+    plot.series[1].points.push_back({static_cast<double>(counts[i]), fastest[0].Read() / kPeriod * 1e6});
     bench.results.rows.push_back({{"experiment", "asleep"},
                                   {"awake", kAwake},
                                   {"asleep", counts[i]},

@@ -9,11 +9,7 @@ namespace {
 void PlayOnce(const Replay& replay, double (*readClock)(), std::vector<Fastest>& fastest) {
   const std::function<void()> tick = replay.begin();
   for (int i = 0; i < replay.lead; ++i) tick();
-  for (Fastest& each : fastest) {
-    const double began = readClock();
-    tick();
-    each.Note(readClock() - began);
-  }
+  for (Fastest& each : fastest) each.Time(tick, readClock);
 }
 
 }  // namespace
