@@ -6,6 +6,8 @@
 // instead; for a body that it steps, this shows the forces that its springs would exert.
 #include "server/physics/inspect.h"
 
+#include <algorithm>
+
 #include "server/physics/contact/backtracking.h"
 #include "server/physics/methods/bending.h"
 #include "server/physics/methods/elasticity.h"
@@ -205,6 +207,12 @@ std::vector<Vector3d> FindContacts(const World& world, const Workspace<Real>& wo
   return Collect(subject, [&](std::span<Vector3<Real>> forces) {
     AddContacts<Real>(subject.body.contact, subject.body.contactShares, subject.surfaces, subject.state.contacts,
                       subject.state.positions, subject.state.velocities, forces);
+    // The body may have lost vertices since.
+    const auto isThere = [&](const NearRod& rod) { return std::max(rod.a, rod.b) < forces.size(); };
+    if (std::ranges::all_of(subject.load.rods, isThere)) {
+      AddRodContacts<Real>(subject.body, subject.surfaces, subject.load.rods, subject.state.positions,
+                           subject.state.velocities, forces);
+    }
     VisitPairsOf(body.id, workspace.pairs, [&](const BodyPair<Real>& pair) {
       const Body& other = world.ReadBody(pair.OtherThan(body.id));
       AddBodyContacts(pair, subject, pair.SideOf(body.id), MakeSubject<Real>(world, other), forces);
@@ -252,6 +260,7 @@ InspectedForces InspectForces(const World& world, BodyId id) {
     if (wasStepped) {
       subject.load = workspace.members[place].load;
       subject.load.pushes = workspace.members[place].pushes;
+      subject.load.rods = workspace.members[place].rods;
     } else {
       subject.load.acceleration = gravity.cast<Real>();
       subject.load.stiffnessFactor = static_cast<Real>(body.stiffnessFactor);

@@ -41,6 +41,29 @@ bool IsToRecover(const Surroundings& surroundings, const Coefficients<Real>& coe
   return HasLostShape<Real>(coefficients, state.positions);
 }
 
+// Contacts with obstacles, and what they demand. duration: of the tick, s.
+template <class Real>
+void MeetSurfaces(const Blueprint& blueprint, double duration, State<Real>& state, PrepareScratch<Real>& scratch,
+                  Member<Real>& member) {
+  const Coefficients<Real>& coefficients = blueprint.Read<Real>();
+  const SurfaceSearch<Real> search{.surfaces = member.surfaces,
+                                   .x = state.positions,
+                                   .v = state.velocities,
+                                   .survey = member.survey,
+                                   .range = coefficients.contact.range,
+                                   .duration = static_cast<Real>(duration)};
+  const double agitation{member.survey.agitation};
+  FindContacts<Real>(search, state.contacts, scratch.contacts);
+  member.demands = FindSurfaceDemands<Real>(blueprint, member.surfaces, state, agitation, duration);
+  FindNearRods<Real>(coefficients, state.torn, search, member.rods);
+  member.load.rods = member.rods;
+  if (member.rods.empty()) return;
+  const RodDemands rods = FindRodDemands<Real>(coefficients, member.surfaces, member.rods, state.positions,
+                                               state.velocities, agitation, duration, scratch.rates);
+  member.demands.rods = rods.rates;
+  member.demands.landing = std::max(member.demands.landing, rods.landing);
+}
+
 }  // namespace
 
 std::span<const StepForce> FindForcesOn(BodyId body, std::span<const StepForce> stepForces) {
@@ -81,15 +104,7 @@ void PrepareMember(const Surroundings& surroundings, const Blueprint& blueprint,
       static_cast<Real>(FindSoftening(blueprint, member.load.stiffening, member.hasLostShape, settings.tickDuration));
   member.load.pushes = member.pushes;
   member.survey = MakeSurvey<Real>(coefficients.masses, state.positions, state.velocities);
-  FindContacts<Real>({.surfaces = member.surfaces,
-                      .x = state.positions,
-                      .v = state.velocities,
-                      .survey = member.survey,
-                      .range = coefficients.contact.range,
-                      .duration = static_cast<Real>(settings.tickDuration)},
-                     state.contacts, scratch.contacts);
-  member.demands = FindSurfaceDemands<Real>(blueprint, member.surfaces, state, double{member.survey.agitation},
-                                            settings.tickDuration);
+  MeetSurfaces(blueprint, settings.tickDuration, state, scratch, member);
 }
 
 template <class Real>

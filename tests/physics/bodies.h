@@ -40,7 +40,6 @@ inline SolidDefinition MakeSolidBox(const std::array<int, 3>& cells, double pois
   return box;
 }
 
-// The vertices of a body in the world, m.
 // A closed shell of 42 vertices with gas, three times as long as it is thick.
 inline Blueprint MakeOblong() {
   const Icosphere sphere = MakeIcosphere(1);
@@ -54,6 +53,7 @@ inline Blueprint MakeOblong() {
   return MakeMesh(oblong);
 }
 
+// The vertices of a body in the world, m.
 inline std::vector<Vector3d> ListPositions(const World& world, BodyId id) {
   std::vector<Vector3d> positions;
   VisitVertices(world.ReadBody(id), [&](std::size_t, const Vector3d& x) { positions.push_back(x); });

@@ -161,10 +161,7 @@ bool AddForcesOfSides(const View<Real>& view, const Triangle& a, const Triangle&
 
 // The tension of a contour with this body, N: m a above, of the mean of its vertices and sides.
 double FindTension(const Blueprint& blueprint, double frequency) {
-  double length = 0;
-  for (const auto& [a, b] : blueprint.topology.sides) length += (blueprint.rest[a] - blueprint.rest[b]).norm();
-  length /= static_cast<double>(blueprint.topology.sides.size());
-  const double acceleration = std::min(frequency * frequency * length, kMostAcceleration);
+  const double acceleration = std::min(frequency * frequency * blueprint.sideLength, kMostAcceleration);
   return acceleration * blueprint.totalMass / static_cast<double>(blueprint.rest.size());
 }
 
@@ -233,7 +230,7 @@ void Untangle(const TangledSkin<Real>& first, const TangledSkin<Real>& second, c
   const double grown = FindGrown(isSlow, (tangle.ticks + 1) * tick);
   const bool found = FindPulls(view, grown, tick, scratch, pulls);
   tangle.ticks = found ? std::min(tangle.ticks + 1, kMostTangleTicks) : 0;
-  tangle.untilLook = found && grown > 0 ? 0 : isSlow ? kTicksUntilSlowLook : kTicksUntilLook;
+  tangle.untilLook = found && grown > 0 ? 0 : areClosed || isPlanar ? kTicksUntilSlowLook : kTicksUntilLook;
 }
 
 template void Untangle<float>(const TangledSkin<float>&, const TangledSkin<float>&, const Vector3d&, double,

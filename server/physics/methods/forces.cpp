@@ -170,6 +170,7 @@ void ComputeForces(const Coefficients<Real>& body, const Load<Real>& load, std::
   if (body.drag > Real(0)) AddDrag<Real>(body.faces, body.drag, load.wind, x, v, forces);
   for (const VertexForce<Real>& push : load.pushes) forces[push.vertex] += push.force;
   AddContacts<Real>(body.contact, body.contactShares, surfaces, contacts, x, v, forces);
+  if (!load.rods.empty()) AddRodContacts<Real>(body, surfaces, load.rods, x, v, forces);
 }
 
 template <class Real>

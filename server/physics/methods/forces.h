@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/physics/contact/contact.h"
+#include "server/physics/contact/rod_contact.h"
 #include "server/physics/methods/elasticity.h"
 #include "server/physics/model/blueprint.h"
 #include "server/physics/model/vector.h"
@@ -44,6 +45,7 @@ struct Load {
   RecoveryFactors recovery;
   Vector3<Real> wind = Vector3<Real>::Zero();  // velocity of the medium that drags at faces, m/s
   std::span<const VertexForce<Real>> pushes;
+  std::span<const NearRod> rods;       // springs of a body without faces, near obstacles
   std::span<const std::uint8_t> torn;  // State::torn: not 0 where a spring has torn; empty: none has
 };
 

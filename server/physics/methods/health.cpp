@@ -36,7 +36,8 @@ ElasticEnergy ComputeElasticEnergy(const Blueprint& blueprint, const Load<Real>&
       double{load.stiffnessFactor} * (ComputeSpringEnergy(full, scratch, load.torn) +
                                       ComputeSolidEnergy(full, scratch) + ComputeBendingEnergy(full, scratch)) +
       ComputeRecoveryEnergy(full, load.recovery, scratch) + ComputeRepulsionEnergy(full, scratch, load.torn) +
-      ComputeContactEnergy<Real>(blueprint.Read<Real>(), surfaces, contacts, x);
+      ComputeContactEnergy<Real>(blueprint.Read<Real>(), surfaces, contacts, x) +
+      ComputeRodContactEnergy<Real>(blueprint.Read<Real>(), surfaces, load.rods, x);
   energy.gas = ComputeGasEnergy(full, scratch, double{load.gasFactor});
   return energy;
 }

@@ -301,7 +301,7 @@ double FindStiffnessBound(const Blueprint& blueprint, double duration) {
 template <class Real>
 int ChooseSubsteps(Integrator integrator, const Blueprint& blueprint, const Load<Real>& load, const State<Real>& state,
                    const SurfaceDemands& fromSurfaces, const ContactRates& fromBodies, double duration) {
-  const Modes modes = FindModes(blueprint, load, state, fromSurfaces.rates, fromBodies);
+  const Modes modes = FindModes(blueprint, load, state, fromSurfaces.rates, AddRates(fromBodies, fromSurfaces.rods));
   if (integrator != Integrator::kRungeKutta4) return FindRung(FindStableRate(integrator, blueprint, modes) * duration);
   return FindRung(std::max(FindSubsteps(modes, duration), fromSurfaces.landing));
 }

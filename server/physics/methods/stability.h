@@ -61,6 +61,7 @@ inline constexpr double kMaxStiffnessBound = 16;
 // What the listed contacts with static surfaces demand of a tick.
 struct SurfaceDemands {
   ContactRates rates;
+  ContactRates rods;   // of springs between their ends (contact/rod_contact.h)
   double landing = 0;  // substeps that resolve a landing
 };
 // agitation: Survey::agitation, m/s. duration: of the tick, s.

@@ -150,7 +150,8 @@ struct Blueprint {
   // convex and bends by more than kSharpCosine; and what the faces at each have beside it.
   std::vector<EdgeEnds> sharpEdges;
   std::vector<EdgeWings> sharpWings;
-  double rodRadius = 0;  // set by the maker of a body without faces: of its particles and springs, m
+  double sideLength = 0;  // the mean of topology.sides at rest, m; 0 without faces
+  double rodRadius = 0;   // set by the maker of a body without faces: of its particles and springs, m
   // Edges that meet others of the same body (contact/self_contact.h), and their radius, m; 0: the body does not meet
   // itself. A skin in space has balls at its vertices, other bodies have `edges`.
   std::vector<EdgeEnds> selfEdges;

@@ -176,15 +176,20 @@ void FindSharpEdges(Blueprint& blueprint) {
   }
 }
 
+// Blueprint::sideLength.
+double FindSideLength(const Blueprint& blueprint) {
+  const std::vector<EdgeEnds>& sides = blueprint.topology.sides;
+  double length = 0;
+  for (const auto& [a, b] : sides) length += (blueprint.rest[a] - blueprint.rest[b]).norm();
+  return sides.empty() ? 0 : length / static_cast<double>(sides.size());
+}
+
 // Blueprint::selfEdges.
 void FindSelfEdges(Blueprint& blueprint) {
   blueprint.selfEdges = blueprint.edges;
   blueprint.selfRadius = blueprint.edgeRadius;
-  const std::vector<EdgeEnds>& sides = blueprint.topology.sides;
-  if (blueprint.edges.empty() && blueprint.full.gas <= 0 && !sides.empty()) {
-    double length = 0;
-    for (const auto& [a, b] : sides) length += (blueprint.rest[a] - blueprint.rest[b]).norm();
-    blueprint.selfRadius = kSelfRadiusShare * length / static_cast<double>(sides.size());
+  if (blueprint.edges.empty() && blueprint.full.gas <= 0 && blueprint.sideLength > 0) {
+    blueprint.selfRadius = kSelfRadiusShare * blueprint.sideLength;
     for (const std::uint16_t vertex : FindOuterVertices(blueprint)) blueprint.selfEdges.push_back({vertex, vertex});
   }
   const bool isSmall = blueprint.reach <= kSelfApartShare * blueprint.selfRadius;  // so that nothing in it is apart
@@ -341,6 +346,7 @@ void FinishCentredBlueprint(Blueprint& blueprint) {
   FindContactShares(blueprint);
   FindEdges(blueprint);
   FindSharpEdges(blueprint);
+  blueprint.sideLength = FindSideLength(blueprint);
   FindSelfEdges(blueprint);
   blueprint.single = ToSingle(full);
   MakePlans(blueprint);

@@ -40,6 +40,7 @@ struct Member {
   State<Real>* state = nullptr;  // read when the tick begins, written when it ends; contacts also in between
   Load<Real> load;
   std::vector<VertexForce<Real>> pushes;  // storage of load.pushes
+  std::vector<NearRod> rods;              // storage of load.rods
   std::vector<Surface<Real>> surfaces;    // the world's obstacles, in coordinates relative to state->origin
   Survey<Real> survey;                    // at the begin of the tick; of a sleeping body when it fell asleep
   SurfaceDemands demands;                 // of the listed contacts with surfaces
@@ -58,6 +59,7 @@ struct Member {
 template <class Real>
 struct PrepareScratch {
   std::vector<Contact<Real>> contacts;
+  std::vector<ContactRates> rates;
   std::vector<Real> gradient;
 };
 

@@ -127,6 +127,7 @@ void Pack<Real, Layout>::BeginStage(int stage) {
     }
     if (m_bodies.MemberIn(lane).load.recovery.Act()) AddRecoveryForces(lane, from);
     if (!HasContactKernel(m_body.contact.law)) AddPlainContactForces(lane, from);
+    if (!m_bodies.MemberIn(lane).load.rods.empty()) AddRodForces(lane, from);
   }
   AddPlaneForces(from);
   if (m_scratch.contacts.IsEmpty()) return;
@@ -182,6 +183,26 @@ void Pack<Real, Layout>::AddPlainContactForces(std::size_t lane, const Real* fro
     Vector3<Real>& force = m_scratch.forces[contact.vertex];
     if (!force.isZero(Real(0))) AddOuterForce(lane, contact.vertex, force);
     force.setZero();  // a vertex may have several contacts
+  }
+}
+
+template <class Real, class Layout>
+void Pack<Real, Layout>::AddRodForces(std::size_t lane, const Real* from) {
+  const Member& member = m_bodies.MemberIn(lane);
+  for (const NearRod& rod : member.load.rods) {
+    for (const std::uint16_t end : {rod.a, rod.b}) {
+      CopyVertex(end, lane, from);
+      m_scratch.forces[end].setZero();
+    }
+  }
+  AddRodContacts<Real>(m_body, member.surfaces, member.load.rods, m_scratch.positions, m_scratch.velocities,
+                       m_scratch.forces);
+  for (const NearRod& rod : member.load.rods) {
+    for (const std::uint16_t end : {rod.a, rod.b}) {
+      Vector3<Real>& force = m_scratch.forces[end];
+      if (!force.isZero(Real(0))) AddOuterForce(lane, end, force);
+      force.setZero();  // a vertex may be an end of several rods
+    }
   }
 }
 

@@ -129,6 +129,7 @@ class Pack {
   void AddPlaneForces(const Real* from);
   void AddRecoveryForces(std::size_t lane, const Real* from);
   void AddPlainContactForces(std::size_t lane, const Real* from);
+  void AddRodForces(std::size_t lane, const Real* from);
   void AddToSeat(const PackSeat& seat, const Vector3<Real>& force) {
     if (m_scratch.hasOuter[seat.place] == 0) ClearOuter(seat.place);
     Real* at = m_outer + 3 * seat.place * m_width + seat.lane;

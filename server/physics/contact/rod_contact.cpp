@@ -1,0 +1,225 @@
+#include "server/physics/contact/rod_contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wobble::physics {
+namespace {
+
+// Added to the way that a rod goes in the tick, m, for what gravity and springs may add.
+constexpr double kRodMargin = 0.02;
+// A rod with an end deeper in the ground than this has come in from beside it, or is held by its ends, m.
+constexpr double kDeepestEnd = 0.05;
+// Of a search for the deepest point by golden section: to 0.618²⁴ / 2 of the length. The error of the depth is of
+// second order.
+constexpr int kSections = 24;
+constexpr int kMostSamples = 64;  // of ground along a rod
+
+// What a rod sees of a surface.
+template <class Real>
+struct RodView {
+  Real s = 0;  // of the deepest point, from a to b
+  SurfacePoint<Real> point;
+  Real depth = 0;  // d − e, m; negative while the rod is outside
+};
+
+// Where along the rod the distance is least, between s = low and high, where it has one minimum.
+template <class Real>
+Real SearchSection(const Surface<Real>& surface, const Vector3<Real>& a, const Vector3<Real>& along, Real low,
+                   Real high) {
+  constexpr Real kGolden = Real(0.6180339887498949);
+  const auto read = [&](Real s) { return FindSurfacePoint<Real>(surface, a + s * along).distance; };
+  Real left = high - kGolden * (high - low);
+  Real right = low + kGolden * (high - low);
+  Real atLeft = read(left);
+  Real atRight = read(right);
+  for (int i = 0; i < kSections; ++i) {
+    if (atLeft < atRight) {
+      high = right;
+      right = left;
+      atRight = atLeft;
+      left = high - kGolden * (high - low);
+      atLeft = read(left);
+    } else {
+      low = left;
+      left = right;
+      atLeft = atRight;
+      right = low + kGolden * (high - low);
+      atRight = read(right);
+    }
+  }
+  return (low + high) / Real(2);
+}
+
+// The distance from a convex obstacle is a convex function along a line. That from ground is not: it is sampled twice a
+// cell first.
+template <class Real>
+Real FindDeepestPlace(const Surface<Real>& surface, const Vector3<Real>& a, const Vector3<Real>& along) {
+  if (surface.kind != Obstacle::Kind::kHeightField) return SearchSection<Real>(surface, a, along, 0, 1);
+  const Real level = std::sqrt(along.x() * along.x() + along.y() * along.y());
+  const auto cell = static_cast<Real>(surface.field->cellSize);
+  const auto samples = static_cast<int>(std::clamp<Real>(std::ceil(Real(2) * level / cell), 2, kMostSamples));
+  int deepest = 0;
+  Real least = 0;
+  for (int i = 0; i <= samples; ++i) {
+    const Real s = static_cast<Real>(i) / static_cast<Real>(samples);
+    const Real distance = FindSurfacePoint<Real>(surface, a + s * along).distance;
+    if (i > 0 && !(distance < least)) continue;
+    deepest = i;
+    least = distance;
+  }
+  const Real step = Real(1) / static_cast<Real>(samples);
+  return SearchSection<Real>(surface, a, along, std::max(Real(0), static_cast<Real>(deepest - 1) * step),
+                             std::min(Real(1), static_cast<Real>(deepest + 1) * step));
+}
+
+template <class Real>
+RodView<Real> FindRodView(const Surface<Real>& surface, const Vector3<Real>& a, const Vector3<Real>& b) {
+  RodView<Real> view;
+  const Vector3<Real> along = b - a;
+  view.s = FindDeepestPlace<Real>(surface, a, along);
+  view.point = FindSurfacePoint<Real>(surface, a + view.s * along);
+  const Real ends = std::min(FindSurfacePoint(surface, a).distance, FindSurfacePoint(surface, b).distance);
+  view.depth = std::min(Real(0), ends) - view.point.distance;
+  return view;
+}
+
+// Whether all of the rod is farther from the surface than `reach`, by one look at its middle.
+template <class Real>
+bool IsClear(const Surface<Real>& surface, const Vector3<Real>& a, const Vector3<Real>& b, Real reach) {
+  const Vector3<Real> half = (b - a) / Real(2);
+  return FindClearance<Real>(surface, a + half) > std::sqrt(half.dot(half)) + reach;
+}
+
+template <class Real>
+bool HasDeepEnd(const Surface<Real>& surface, const Vector3<Real>& a, const Vector3<Real>& b) {
+  const auto isDeep = [&](const Vector3<Real>& end) {
+    return FindSurfacePoint(surface, end).distance < -static_cast<Real>(kDeepestEnd);
+  };
+  return surface.kind == Obstacle::Kind::kHeightField && (isDeep(a) || isDeep(b));
+}
+
+template <class Real>
+Real FindRodShare(const Coefficients<Real>& body, const NearRod& rod, Real s) {
+  return (Real(1) - s) * body.contactShares[rod.a] + s * body.contactShares[rod.b];
+}
+
+// The force at the deepest point, N.
+template <class Real>
+Vector3<Real> FindRodForce(const ContactParameters<Real>& parameters, Real friction, const RodView<Real>& view,
+                           const Vector3<Real>& velocity) {
+  const Vector3<Real>& normal = view.point.normal;
+  const Real normalForce = ComputeNormalForce(parameters, view.depth, -normal.dot(velocity));
+  const Vector3<Real> pull = parameters.stickDamping * RemoveNormalPart<Real>(velocity, normal);
+  const Real limit = friction * normalForce;
+  const Real strength = std::sqrt(pull.dot(pull));
+  return normalForce * normal - (strength > limit ? limit / strength : Real(1)) * pull;
+}
+
+// Of all rods that have an end in common with this one, and of itself.
+ContactRates SumAtEnds(std::span<const NearRod> rods, std::span<const ContactRates> rates, const NearRod& rod) {
+  ContactRates sum;
+  for (std::size_t i = 0; i < rods.size(); ++i) {
+    const NearRod& other = rods[i];
+    if (other.a != rod.a && other.a != rod.b && other.b != rod.a && other.b != rod.b) continue;
+    sum.squareFrequency += rates[i].squareFrequency;
+    sum.dampingRate += rates[i].dampingRate;
+  }
+  return sum;
+}
+
+}  // namespace
+
+template <class Real>
+void FindNearRods(const Coefficients<Real>& body, std::span<const std::uint8_t> torn, const SurfaceSearch<Real>& search,
+                  std::vector<NearRod>& rods) {
+  rods.clear();
+  if (!body.faces.empty() || body.contact.law != ContactLaw::kPenalty) return;
+  const Bounds<Real>& bounds = search.survey.bounds;
+  const Real reach = bounds.speed * search.duration + static_cast<Real>(kRodMargin);
+  for (std::uint32_t s = 0; s < search.surfaces.size(); ++s) {
+    const Surface<Real>& surface = search.surfaces[s];
+    if (surface.kind == Obstacle::Kind::kPlane) continue;
+    if (IsClear<Real>(surface, bounds.low, bounds.high, reach)) continue;
+    for (std::size_t i = 0; i < body.springs.size(); ++i) {
+      const Vector3<Real>& a = search.x[body.springs[i].a];
+      const Vector3<Real>& b = search.x[body.springs[i].b];
+      const bool isTorn = !torn.empty() && torn[i] != 0;
+      if (isTorn || IsClear<Real>(surface, a, b, reach) || HasDeepEnd<Real>(surface, a, b)) continue;
+      rods.push_back({s, static_cast<std::uint16_t>(body.springs[i].a), static_cast<std::uint16_t>(body.springs[i].b)});
+    }
+  }
+}
+
+template <class Real>
+void AddRodContacts(const Coefficients<Real>& body, std::span<const Surface<Real>> surfaces,
+                    std::span<const NearRod> rods, std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v,
+                    std::span<Vector3<Real>> forces) {
+  for (const NearRod& rod : rods) {
+    const Surface<Real>& surface = surfaces[rod.surface];
+    if (IsClear<Real>(surface, x[rod.a], x[rod.b], 0)) continue;
+    const RodView<Real> view = FindRodView<Real>(surface, x[rod.a], x[rod.b]);
+    if (!(view.depth > Real(0))) continue;
+    const Vector3<Real> velocity = v[rod.a] + view.s * (v[rod.b] - v[rod.a]);
+    const Vector3<Real> force = FindRodShare(body, rod, view.s) *
+                                FindRodForce(body.contact, body.contact.friction * surface.friction, view, velocity);
+    forces[rod.a] += (Real(1) - view.s) * force;
+    forces[rod.b] += view.s * force;
+  }
+}
+
+template <class Real>
+double ComputeRodContactEnergy(const Coefficients<Real>& body, std::span<const Surface<Real>> surfaces,
+                               std::span<const NearRod> rods, std::span<const Vector3<Real>> x) {
+  double energy = 0;
+  for (const NearRod& rod : rods) {
+    const RodView<Real> view = FindRodView<Real>(surfaces[rod.surface], x[rod.a], x[rod.b]);
+    energy += double{FindRodShare(body, rod, view.s) * ComputePenaltyEnergy(body.contact, view.depth)};
+  }
+  return energy;
+}
+
+template <class Real>
+RodDemands FindRodDemands(const Coefficients<Real>& body, std::span<const Surface<Real>> surfaces,
+                          std::span<const NearRod> rods, std::span<const Vector3<Real>> x,
+                          std::span<const Vector3<Real>> v, double agitation, double duration,
+                          std::vector<ContactRates>& scratch) {
+  const double fade = double{body.contact.fadeDepth};
+  RodDemands demands;
+  scratch.clear();
+  for (const NearRod& rod : rods) {
+    const Surface<Real>& surface = surfaces[rod.surface];
+    const RodView<Real> view = FindRodView<Real>(surface, x[rod.a], x[rod.b]);
+    const double approach = double{
+        std::max(FindApproach<Real>(surface, view.point, v[rod.a]), FindApproach<Real>(surface, view.point, v[rod.b]))};
+    const double depth = double{view.depth};
+    const double mass = std::min(double{body.masses[rod.a]} / double{body.contactShares[rod.a]},
+                                 double{body.masses[rod.b]} / double{body.contactShares[rod.b]});
+    scratch.push_back(FindRates(body.contact, PredictDepth(depth, std::max(agitation, approach), duration), mass));
+    const bool lands = depth < fade && PredictDepth(depth, approach, duration) > -fade;
+    if (lands) demands.landing = std::max(demands.landing, approach * duration / fade);
+  }
+  for (const NearRod& rod : rods) {
+    const ContactRates sum = SumAtEnds(rods, scratch, rod);
+    demands.rates.squareFrequency = std::max(demands.rates.squareFrequency, sum.squareFrequency);
+    demands.rates.dampingRate = std::max(demands.rates.dampingRate, sum.dampingRate);
+  }
+  return demands;
+}
+
+#define WOBBLE_INSTANTIATE(Real)                                                                           \
+  template void FindNearRods<Real>(const Coefficients<Real>&, std::span<const std::uint8_t>,               \
+                                   const SurfaceSearch<Real>&, std::vector<NearRod>&);                     \
+  template void AddRodContacts<Real>(const Coefficients<Real>&, std::span<const Surface<Real>>,            \
+                                     std::span<const NearRod>, std::span<const Vector3<Real>>,             \
+                                     std::span<const Vector3<Real>>, std::span<Vector3<Real>>);            \
+  template double ComputeRodContactEnergy<Real>(const Coefficients<Real>&, std::span<const Surface<Real>>, \
+                                                std::span<const NearRod>, std::span<const Vector3<Real>>); \
+  template RodDemands FindRodDemands<Real>(                                                                \
+      const Coefficients<Real>&, std::span<const Surface<Real>>, std::span<const NearRod>,                 \
+      std::span<const Vector3<Real>>, std::span<const Vector3<Real>>, double, double, std::vector<ContactRates>&);
+WOBBLE_INSTANTIATE(float)
+WOBBLE_INSTANTIATE(double)
+#undef WOBBLE_INSTANTIATE
+
+}  // namespace wobble::physics

@@ -1,0 +1,210 @@
+// Springs against obstacles that are smaller than they are long.
+#include "server/physics/contact/rod_contact.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "server/physics/shapes/graph.h"
+#include "server/physics/shapes/pair.h"
+#include "server/physics/world.h"
+#include "tests/physics/bodies.h"
+
+namespace wobble::physics {
+namespace {
+
+constexpr double kHalfRod = 1;       // m
+constexpr double kRodRadius = 0.03;  // m
+
+struct NamedObstacle {
+  const char* name;
+  Obstacle obstacle;  // its top is at the origin; a rod along x reaches over it
+};
+
+Obstacle MakeRidge() {
+  std::vector<double> heights;
+  for (int row = 0; row < 21; ++row) {
+    for (int column = 0; column < 21; ++column) heights.push_back(-2 * std::abs(0.25 * (column - 10)));
+  }
+  Obstacle ridge;
+  ridge.kind = Obstacle::Kind::kHeightField;
+  ridge.centre = {-2.5, -2.5, 0};
+  ridge.field = MakeHeightField(21, 0.25, heights);
+  ridge.centre.z() = -FindHeight(*ridge.field, 2.5, 2.5);
+  return ridge;
+}
+
+std::vector<NamedObstacle> ListObstacles() {
+  Obstacle sphere;
+  sphere.kind = Obstacle::Kind::kSphere;
+  sphere.centre = {0, 0, -0.3};
+  sphere.radius = 0.3;
+  Obstacle capsule = sphere;
+  capsule.kind = Obstacle::Kind::kCapsule;
+  capsule.centre = {0, -1, -0.2};
+  capsule.end = {0, 1, -0.2};
+  capsule.radius = 0.2;
+  Obstacle wall;
+  wall.kind = Obstacle::Kind::kBox;
+  wall.centre = {0, 0, -2};
+  wall.halfExtents = {0.1, 1, 2};
+  return {{"sphere", sphere}, {"capsule", capsule}, {"wall", wall}, {"ridge", MakeRidge()}};
+}
+
+PairDefinition MakeLongPair() {
+  PairDefinition pair;
+  pair.length = 2 * kHalfRod;
+  pair.radius = kRodRadius;
+  pair.material.stiffness = 4000;
+  pair.material.dampingRatio = 0.1;
+  return pair;
+}
+
+// A chain of `links` springs along x.
+GraphDefinition MakeChain(int links) {
+  GraphDefinition chain;
+  chain.radius = kRodRadius;
+  for (int i = 0; i <= links; ++i)
+    chain.particles.push_back({.position = {0.8 * (i - 0.5 * links), 0, 0}, .mass = 0.5});
+  for (int i = 0; i < links; ++i) chain.springs.push_back({.a = i, .b = i + 1, .stiffness = 2000, .damping = 4});
+  return chain;
+}
+
+// Drops the blueprint at `speed` onto the obstacle from 0.2 m above, and returns the height of its centre over the
+// obstacle's top after `time`, m.
+double DropOnto(const Blueprint& blueprint, const Obstacle& obstacle, double speed, double time,
+                Precision precision = Precision::kSingle) {
+  World world({.precision = precision});
+  world.AddObstacle(obstacle);
+  const BodyId body = world.AddBody(world.AddBlueprint(blueprint), {0, 0, 0.2}, {0, 0, -speed});
+  while (static_cast<double>(world.Tick()) * world.Settings().tickDuration < time) {
+    const StepReport report = world.Step();
+    EXPECT_EQ(report.quarantined, 0U) << world.Tick();
+  }
+  return world.FindCentre(world.ReadBody(body)).z();
+}
+
+TEST(RodContact, ARodComesToRestOnWhatIsSmallerThanItIsLong) {
+  for (const auto& [name, obstacle] : ListObstacles()) {
+    for (const Precision precision : {Precision::kSingle, Precision::kDouble}) {
+      const double height = DropOnto(MakePair(MakeLongPair()), obstacle, 0, 1, precision);
+      EXPECT_GT(height, kRodRadius - 0.03) << name;
+      EXPECT_LT(height, kRodRadius + 0.15) << name;
+    }
+  }
+}
+
+TEST(RodContact, ARodThatIsThrownDoesNotPass) {
+  for (const auto& [name, obstacle] : ListObstacles()) {
+    for (const double speed : {2.0, 5.0, 10.0}) {
+      EXPECT_GT(DropOnto(MakePair(MakeLongPair()), obstacle, speed, 0.1), 0) << name << " at " << speed << " m/s";
+    }
+  }
+}
+
+TEST(RodContact, AChainHangsOverAWall) {
+  const double hung = DropOnto(MakeGraph(MakeChain(3)), ListObstacles()[2].obstacle, 0, 1.5);
+  EXPECT_LT(hung, -0.1) << "its ends hang down";
+  EXPECT_GT(hung, -0.8) << "the middle link lies on the wall";
+}
+
+// A pair near an obstacle, by itself.
+template <class Real>
+struct LoneRod {
+  Blueprint blueprint = MakePair(MakeLongPair());
+  std::vector<Surface<Real>> surfaces;
+  std::vector<NearRod> rods{{.surface = 0, .a = 0, .b = 1}};
+  std::vector<Vector3<Real>> still{Vector3<Real>::Zero(), Vector3<Real>::Zero()};
+
+  explicit LoneRod(const Obstacle& obstacle)
+      : surfaces{MakeSurface<Real>(obstacle, Vector3d::Zero(), blueprint.rodRadius)} {}
+
+  [[nodiscard]] const Coefficients<Real>& Body() const { return blueprint.Read<Real>(); }
+  [[nodiscard]] std::vector<Vector3<Real>> FindForces(const std::vector<Vector3<Real>>& x) const {
+    std::vector<Vector3<Real>> forces = still;
+    AddRodContacts<Real>(Body(), surfaces, rods, x, still, forces);
+    return forces;
+  }
+  [[nodiscard]] double FindEnergy(const std::vector<Vector3<Real>>& x) const {
+    return ComputeRodContactEnergy<Real>(Body(), surfaces, rods, x);
+  }
+};
+
+TEST(RodContact, TheForceIsTheGradientOfItsEnergy) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> within(-1, 1);
+  for (const auto& [name, obstacle] : ListObstacles()) {
+    if (obstacle.kind == Obstacle::Kind::kHeightField) continue;  // its distance is of first order
+    const LoneRod<double> rod(obstacle);
+    int pushed = 0;
+    for (int trial = 0; trial < 200; ++trial) {
+      std::vector<Vector3d> x{{-kHalfRod, 0, 0.01}, {kHalfRod, 0, 0.01}};
+      for (Vector3d& end : x) end += Vector3d(0.1 * within(random), 0.3 * within(random), 0.05 * within(random));
+      const std::vector<Vector3d> forces = rod.FindForces(x);
+      pushed += forces[0].norm() > 1 ? 1 : 0;
+      constexpr double kStep = 1e-6;
+      for (std::size_t end = 0; end < 2; ++end) {
+        for (int axis = 0; axis < 3; ++axis) {
+          std::vector<Vector3d> more = x, less = x;
+          more[end][axis] += kStep;
+          less[end][axis] -= kStep;
+          const double slope = (rod.FindEnergy(more) - rod.FindEnergy(less)) / (2 * kStep);
+          EXPECT_NEAR(forces[end][axis], -slope, 1e-3 * (1 + forces[end].norm())) << name;
+        }
+      }
+    }
+    EXPECT_GT(pushed, 50) << name;
+  }
+}
+
+TEST(RodContact, WhatLiesOnAFlatSideIsHeldByItsEnds) {
+  Obstacle box;
+  box.kind = Obstacle::Kind::kBox;
+  box.centre = {0, 0, -1};
+  box.halfExtents = {3, 3, 1};
+  const LoneRod<float> rod(box);
+  for (const auto& force : rod.FindForces({{-1, 0, 0.01F}, {1, 0.5F, 0.013F}})) EXPECT_LT(force.norm(), 1e-3F);
+}
+
+TEST(RodContact, TornSpringsAndPlanesAreNotListed) {
+  const Blueprint blueprint = MakeGraph(MakeChain(3));
+  const Obstacle plane;
+  const std::vector<Surface<float>> surfaces{MakeSurface<float>(plane, Vector3d::Zero()),
+                                             MakeSurface<float>(ListObstacles()[0].obstacle, Vector3d::Zero())};
+  std::vector<Vector3f> x;
+  for (const Vector3d& rest : blueprint.rest) x.push_back(rest.cast<float>());
+  const std::vector<Vector3f> v(x.size(), Vector3f::Zero());
+  const SurfaceSearch<float> search{.surfaces = surfaces,
+                                    .x = x,
+                                    .v = v,
+                                    .survey = MakeSurvey<float>(blueprint.single.masses, x, v),
+                                    .range = 0,
+                                    .duration = 1.0F / 60};
+  std::vector<NearRod> rods;
+  FindNearRods<float>(blueprint.single, {}, search, rods);
+  ASSERT_EQ(rods.size(), 1U) << "the link over the sphere";
+  EXPECT_EQ(rods[0].surface, 1U);
+  EXPECT_EQ(rods[0].a, 1);
+  const std::vector<std::uint8_t> torn{0, 1, 0};
+  FindNearRods<float>(blueprint.single, torn, search, rods);
+  EXPECT_TRUE(rods.empty());
+}
+
+TEST(RodContact, PacksGiveTheSameMotionAsPlainCode) {
+  const auto play = [](Integrator integrator, int leastSubsteps) {
+    Blueprint blueprint = MakeGraph(MakeChain(3));
+    SetIntegrator(blueprint, integrator);
+    World world({.precision = Precision::kDouble, .leastSubsteps = leastSubsteps});
+    world.AddObstacle(ListObstacles()[2].obstacle);
+    const BodyId body = world.AddBody(world.AddBlueprint(blueprint), {0.1, 0, 0.1});
+    for (int tick = 0; tick < 30; ++tick) (void)world.Step();
+    return ListPositions(world, body);
+  };
+  const std::vector<Vector3d> packed = play(Integrator::kRungeKutta4, 64);
+  const std::vector<Vector3d> plain = play(Integrator::kVelocityVerlet, 512);
+  for (std::size_t i = 0; i < packed.size(); ++i) EXPECT_LT((packed[i] - plain[i]).norm(), 0.005) << i;
+}
+
+}  // namespace
+}  // namespace wobble::physics
