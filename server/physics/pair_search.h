@@ -62,6 +62,7 @@ class PairSearch {
   [[nodiscard]] bool AreToMeet(const BodyPair<Real>& pair) const;
   void Meet(BodyPair<Real>& pair);
   void MeetFaces(std::size_t side, double fullGap, BodyPair<Real>& pair);
+  void ForgetSides(BodyPair<Real>& pair);
   void MeetCores(BodyPair<Real>& pair);
   void MeetEdges(BodyPair<Real>& pair);
   void MeetSelf(BodyPair<Real>& pair);
