@@ -360,8 +360,11 @@ void PairSearch<Real>::LookForTangle(BodyPair<Real>& pair) {
   const Member<Real>& second = m_work.members[pair.places[1]];
   if (first.blueprint->full.faces.empty() || second.blueprint->full.faces.empty()) return;
   const auto see = [](const Member<Real>& member) {
-    return TangledSkin<Real>{member.blueprint, member.state->positions, member.survey.bounds,
-                             member.survey.bulk.velocity};
+    return TangledSkin<Real>{.blueprint = member.blueprint,
+                             .x = member.state->positions,
+                             .bounds = member.survey.bounds,
+                             .velocity = member.survey.bulk.velocity,
+                             .agitation = double{member.survey.agitation}};
   };
   Untangle<Real>(see(first), see(second), second.state->origin - first.state->origin, m_duration,
                  m_work.scratch.local().untangling, pair.tangle, pair.pulls);

@@ -20,7 +20,10 @@ template <class Real>
 struct RodView {
   Real s = 0;  // of the deepest point, from a to b
   SurfacePoint<Real> point;
-  Real depth = 0;  // d − e, m; negative while the rod is outside
+  SurfacePoint<Real> end;    // of the deeper end
+  bool isEndInside = false;  // e > 0
+  bool isEndB = false;
+  Real depth = 0;  // D = d − e, m; negative while the rod is outside
 };
 
 // Where along the rod the distance is least, between s = low and high, where it has one minimum.
@@ -58,7 +61,8 @@ Real FindDeepestPlace(const Surface<Real>& surface, const Vector3<Real>& a, cons
   if (surface.kind != Obstacle::Kind::kHeightField) return SearchSection<Real>(surface, a, along, 0, 1);
   const Real level = std::sqrt(along.x() * along.x() + along.y() * along.y());
   const auto cell = static_cast<Real>(surface.field->cellSize);
-  const auto samples = static_cast<int>(std::clamp<Real>(std::ceil(Real(2) * level / cell), 2, kMostSamples));
+  const Real wanted = std::ceil(Real(2) * level / cell);
+  const int samples = wanted > Real(2) ? static_cast<int>(std::min(wanted, Real(kMostSamples))) : 2;  // NaN: 2
   int deepest = 0;
   Real least = 0;
   for (int i = 0; i <= samples; ++i) {
@@ -79,8 +83,12 @@ RodView<Real> FindRodView(const Surface<Real>& surface, const Vector3<Real>& a, 
   const Vector3<Real> along = b - a;
   view.s = FindDeepestPlace<Real>(surface, a, along);
   view.point = FindSurfacePoint<Real>(surface, a + view.s * along);
-  const Real ends = std::min(FindSurfacePoint(surface, a).distance, FindSurfacePoint(surface, b).distance);
-  view.depth = std::min(Real(0), ends) - view.point.distance;
+  view.end = FindSurfacePoint(surface, a);
+  const SurfacePoint<Real> endB = FindSurfacePoint(surface, b);
+  view.isEndB = endB.distance < view.end.distance;
+  if (view.isEndB) view.end = endB;
+  view.isEndInside = view.end.distance < Real(0);
+  view.depth = std::min(Real(0), view.end.distance) - view.point.distance;
   return view;
 }
 
@@ -91,12 +99,15 @@ bool IsClear(const Surface<Real>& surface, const Vector3<Real>& a, const Vector3
   return FindClearance<Real>(surface, a + half) > std::sqrt(half.dot(half)) + reach;
 }
 
+// Of ground: with both ends over it, or nearly. A rod that reaches over its border would lie on an edge that is none.
 template <class Real>
-bool HasDeepEnd(const Surface<Real>& surface, const Vector3<Real>& a, const Vector3<Real>& b) {
-  const auto isDeep = [&](const Vector3<Real>& end) {
-    return FindSurfacePoint(surface, end).distance < -static_cast<Real>(kDeepestEnd);
+bool MayMeet(const Surface<Real>& surface, const Vector3<Real>& a, const Vector3<Real>& b) {
+  if (surface.kind != Obstacle::Kind::kHeightField) return true;
+  const auto isOver = [&](const Vector3<Real>& end) {
+    const Real distance = FindSurfacePoint(surface, end).distance;
+    return distance > -static_cast<Real>(kDeepestEnd) && distance < static_cast<Real>(kBeyond);
   };
-  return surface.kind == Obstacle::Kind::kHeightField && (isDeep(a) || isDeep(b));
+  return isOver(a) && isOver(b);
 }
 
 template <class Real>
@@ -104,16 +115,22 @@ Real FindRodShare(const Coefficients<Real>& body, const NearRod& rod, Real s) {
   return (Real(1) - s) * body.contactShares[rod.a] + s * body.contactShares[rod.b];
 }
 
-// The force at the deepest point, N.
+// Adds the forces of one rod. vA, vB: velocities of its ends, m/s.
 template <class Real>
-Vector3<Real> FindRodForce(const ContactParameters<Real>& parameters, Real friction, const RodView<Real>& view,
-                           const Vector3<Real>& velocity) {
+void AddRodForces(const Coefficients<Real>& body, const Surface<Real>& surface, const RodView<Real>& view, Real share,
+                  const Vector3<Real>& vA, const Vector3<Real>& vB, Vector3<Real>& forceA, Vector3<Real>& forceB) {
   const Vector3<Real>& normal = view.point.normal;
-  const Real normalForce = ComputeNormalForce(parameters, view.depth, -normal.dot(velocity));
-  const Vector3<Real> pull = parameters.stickDamping * RemoveNormalPart<Real>(velocity, normal);
-  const Real limit = friction * normalForce;
+  const Vector3<Real> velocity = vA + view.s * (vB - vA);
+  Real rate = -normal.dot(velocity);
+  if (view.isEndInside) rate += view.end.normal.dot(view.isEndB ? vB : vA);
+  const Real normalForce = ComputeNormalForce(body.contact, view.depth, rate);
+  const Vector3<Real> pull = body.contact.stickDamping * RemoveNormalPart<Real>(velocity, normal);
+  const Real limit = body.contact.friction * surface.friction * normalForce;
   const Real strength = std::sqrt(pull.dot(pull));
-  return normalForce * normal - (strength > limit ? limit / strength : Real(1)) * pull;
+  const Vector3<Real> force = share * (normalForce * normal - (strength > limit ? limit / strength : Real(1)) * pull);
+  forceA += (Real(1) - view.s) * force;
+  forceB += view.s * force;
+  if (view.isEndInside) (view.isEndB ? forceB : forceA) -= (share * normalForce) * view.end.normal;
 }
 
 // Of all rods that have an end in common with this one, and of itself.
@@ -145,7 +162,7 @@ void FindNearRods(const Coefficients<Real>& body, std::span<const std::uint8_t> 
       const Vector3<Real>& a = search.x[body.springs[i].a];
       const Vector3<Real>& b = search.x[body.springs[i].b];
       const bool isTorn = !torn.empty() && torn[i] != 0;
-      if (isTorn || IsClear<Real>(surface, a, b, reach) || HasDeepEnd<Real>(surface, a, b)) continue;
+      if (isTorn || IsClear<Real>(surface, a, b, reach) || !MayMeet<Real>(surface, a, b)) continue;
       rods.push_back({s, static_cast<std::uint16_t>(body.springs[i].a), static_cast<std::uint16_t>(body.springs[i].b)});
     }
   }
@@ -160,11 +177,8 @@ void AddRodContacts(const Coefficients<Real>& body, std::span<const Surface<Real
     if (IsClear<Real>(surface, x[rod.a], x[rod.b], 0)) continue;
     const RodView<Real> view = FindRodView<Real>(surface, x[rod.a], x[rod.b]);
     if (!(view.depth > Real(0))) continue;
-    const Vector3<Real> velocity = v[rod.a] + view.s * (v[rod.b] - v[rod.a]);
-    const Vector3<Real> force = FindRodShare(body, rod, view.s) *
-                                FindRodForce(body.contact, body.contact.friction * surface.friction, view, velocity);
-    forces[rod.a] += (Real(1) - view.s) * force;
-    forces[rod.b] += view.s * force;
+    AddRodForces<Real>(body, surface, view, FindRodShare(body, rod, view.s), v[rod.a], v[rod.b], forces[rod.a],
+                       forces[rod.b]);
   }
 }
 

@@ -3,11 +3,11 @@
 // long: a sphere, a capsule, the edge of a box, a ridge of the ground. A plane is met by the ends alone.
 //
 // p = (1 − s) a + s b is the rod's deepest point in the surface, found anew for each force, d its depth there, and
-// e = max(0, dₐ, d_b) that of the deeper end. The rod gets N(d − e) n at p, with N and n of the penalty law, split by
-// 1 − s and s between its ends: what the ends do not carry, so a rod that lies on a flat side pushes with its ends
-// alone, and the force sets in at 0 where the deepest point leaves an end. With both ends outside it is the gradient of
-// a potential, since ∂d/∂s = 0; with an end inside it is not, for the share −N ∂e is left out, which would pull that
-// end further in.
+// e = max(0, dₐ, d_b) that of the deeper end. D = d − e is the depth of the rod: a rod that lies on a flat side pushes
+// with its ends alone, and the force sets in at 0 where the deepest point leaves an end. It is the gradient of the
+// penalty's energy at D: N n at p, split by 1 − s and s between the ends, for ∂d/∂s = 0; and if e > 0, −N n at that
+// end, so that it and the rod share the load. Without the latter an end that left a box sideways, deep below its top,
+// left the rod behind at this depth: energy from nowhere.
 //
 // Nothing lives on from tick to tick. So friction is that of a dashpot, cut at Coulomb's limit: a rod that hangs over
 // an edge creeps.

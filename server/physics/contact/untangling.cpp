@@ -18,6 +18,7 @@ constexpr double kSlowGrowTime = 4;        // s
 constexpr double kFast = 10;               // of bodies against one another, m/s
 constexpr double kFrequency = 30;          // ω, rad/s
 constexpr double kMostAcceleration = 150;  // of a vertex with one passage, m/s²
+constexpr double kCalm = 10;               // u₀, m/s
 constexpr double kMostTickAngle = 0.5;     // of ωt
 constexpr double kMostLeverage = 3;        // of c, above
 constexpr double kLeastSine = 1e-9;        // of the angle between two faces that have a line in common
@@ -30,6 +31,11 @@ class View {
       : m_skins{&first, &second}, m_shift(shift), m_isSelf(first.x.data() == second.x.data()) {}
 
   [[nodiscard]] bool IsSelf() const { return m_isSelf; }
+  // 1 + (u/u₀)².
+  [[nodiscard]] double FindUnrest() const {
+    const double u = std::max(m_skins[0]->agitation, m_skins[1]->agitation) / kCalm;
+    return 1 + u * u;
+  }
   [[nodiscard]] const Blueprint& BlueprintOf(std::size_t body) const { return *m_skins[body]->blueprint; }
   [[nodiscard]] const Face& FaceOf(const Triangle& triangle) const {
     return BlueprintOf(triangle.body).full.faces[triangle.face];
@@ -188,8 +194,8 @@ bool FindPulls(const View<Real>& view, double grown, double tick, UntanglingScra
   double tension = 0;
   if (grown > 0) {
     const double frequency = std::min(kFrequency, kMostTickAngle / tick);
-    tension =
-        grown * std::min(FindTension(view.BlueprintOf(0), frequency), FindTension(view.BlueprintOf(1), frequency));
+    tension = grown / view.FindUnrest() *
+              std::min(FindTension(view.BlueprintOf(0), frequency), FindTension(view.BlueprintOf(1), frequency));
   }
   for (std::size_t body = 0; body < 2; ++body) {
     scratch.forces[body].assign(grown > 0 ? view.BlueprintOf(body).rest.size() : 0, Vector3d::Zero());

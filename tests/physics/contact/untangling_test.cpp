@@ -83,7 +83,8 @@ class Untangling : public testing::Test {
   [[nodiscard]] TangledSkin<double> See(const Side& side) const {
     return {.blueprint = &side.blueprint,
             .x = side.x,
-            .bounds = MakeSurvey<double>(side.blueprint.full.masses, side.x, side.x).bounds};
+            .bounds = MakeSurvey<double>(side.blueprint.full.masses, side.x, side.x).bounds,
+            .agitation = agitation};
   }
   void Look() { Untangle<double>(See(first), See(second), shift, kUntanglingTick, scratch, tangle, pulls); }
   // The forces on all vertices, those of the first body before those of the second, N.
@@ -107,6 +108,7 @@ class Untangling : public testing::Test {
   Side first;
   Side second;
   Vector3d shift{0.03, -0.02, 0.15};
+  double agitation = 0;  // m/s
   UntanglingScratch scratch;
   Tangle tangle;
   Pulls<double> pulls;
@@ -157,6 +159,21 @@ TEST_F(Untangling, KeepsMomentumAndAngularMomentum) {
   ASSERT_GT(most, 0);
   EXPECT_LT(sum.norm(), 1e-12 * most);
   EXPECT_LT(torque.norm(), 1e-12 * most);
+}
+
+// Forces that are constant through a tick would heat them.
+TEST_F(Untangling, IsWeakWhereBodiesVibrate) {
+  Set(first, MakeSoftBall(1), 0.05);
+  Set(second, MakeSheet(6), 0.05);
+  for (int tick = 0; tick < 10; ++tick) Look();
+  const double calm = ListForces().norm();
+  ASSERT_GT(calm, 0);
+  agitation = 10;
+  Look();
+  EXPECT_NEAR(ListForces().norm(), calm / 2, 1e-9 * calm);
+  agitation = 100;
+  Look();
+  EXPECT_LT(ListForces().norm(), calm / 100);
 }
 
 // Their contacts know inside from outside.
