@@ -7,6 +7,7 @@
 #include <random>
 
 #include "server/physics/energy.h"
+#include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/graph.h"
 #include "server/physics/shapes/pair.h"
 #include "server/physics/world.h"
