@@ -19,7 +19,8 @@ void MeasureBrokenStates(Bench& bench);
 // Keys shots_through, stress_non_finite, stress_reset, stress_inverted_after_2s, stress_quarantined: loads and shots
 // that no body is made to bear.
 void MeasureStress(Bench& bench);
-// Keys stacks_fallen_through, stacks_non_finite, stacks_reset, stacks_inverted_after_2s: a hundred bodies on one another.
+// Keys stacks_fallen_through, stacks_non_finite, stacks_reset, stacks_inverted_after_2s: a hundred bodies on one
+// another.
 void MeasureStressStacks(Bench& bench);
 
 }  // namespace wobble::bench
