@@ -20,10 +20,11 @@ template <class Real>
 struct RodView {
   Real s = 0;  // of the deepest point, from a to b
   SurfacePoint<Real> point;
-  SurfacePoint<Real> end;    // of the deeper end
-  bool isEndInside = false;  // e > 0
+  SurfacePoint<Real> end;  // of the deeper end
   bool isEndB = false;
   Real depth = 0;  // D = d − e, m; negative while the rod is outside
+
+  [[nodiscard]] bool IsEndInside() const { return end.distance < Real(0); }  // e > 0
 };
 
 // Where along the rod the distance is least, between s = low and high, where it has one minimum.
@@ -87,7 +88,6 @@ RodView<Real> FindRodView(const Surface<Real>& surface, const Vector3<Real>& a, 
   const SurfacePoint<Real> endB = FindSurfacePoint(surface, b);
   view.isEndB = endB.distance < view.end.distance;
   if (view.isEndB) view.end = endB;
-  view.isEndInside = view.end.distance < Real(0);
   view.depth = std::min(Real(0), view.end.distance) - view.point.distance;
   return view;
 }
@@ -122,7 +122,7 @@ void AddRodForces(const Coefficients<Real>& body, const Surface<Real>& surface, 
   const Vector3<Real>& normal = view.point.normal;
   const Vector3<Real> velocity = vA + view.s * (vB - vA);
   Real rate = -normal.dot(velocity);
-  if (view.isEndInside) rate += view.end.normal.dot(view.isEndB ? vB : vA);
+  if (view.IsEndInside()) rate += view.end.normal.dot(view.isEndB ? vB : vA);
   const Real normalForce = ComputeNormalForce(body.contact, view.depth, rate);
   const Vector3<Real> pull = body.contact.stickDamping * RemoveNormalPart<Real>(velocity, normal);
   const Real limit = body.contact.friction * surface.friction * normalForce;
@@ -130,7 +130,19 @@ void AddRodForces(const Coefficients<Real>& body, const Surface<Real>& surface, 
   const Vector3<Real> force = share * (normalForce * normal - (strength > limit ? limit / strength : Real(1)) * pull);
   forceA += (Real(1) - view.s) * force;
   forceB += view.s * force;
-  if (view.isEndInside) (view.isEndB ? forceB : forceA) -= (share * normalForce) * view.end.normal;
+  if (view.IsEndInside()) (view.isEndB ? forceB : forceA) -= (share * normalForce) * view.end.normal;
+}
+
+// Calls visit(rod, surface, view) for the rods that push.
+template <class Real, class Visit>
+void VisitPushing(std::span<const Surface<Real>> surfaces, std::span<const NearRod> rods,
+                  std::span<const Vector3<Real>> x, const Visit& visit) {
+  for (const NearRod& rod : rods) {
+    const Surface<Real>& surface = surfaces[rod.surface];
+    if (IsClear<Real>(surface, x[rod.a], x[rod.b], 0)) continue;
+    const RodView<Real> view = FindRodView<Real>(surface, x[rod.a], x[rod.b]);
+    if (view.depth > Real(0)) visit(rod, surface, view);
+  }
 }
 
 // Of all rods that have an end in common with this one, and of itself.
@@ -172,24 +184,20 @@ template <class Real>
 void AddRodContacts(const Coefficients<Real>& body, std::span<const Surface<Real>> surfaces,
                     std::span<const NearRod> rods, std::span<const Vector3<Real>> x, std::span<const Vector3<Real>> v,
                     std::span<Vector3<Real>> forces) {
-  for (const NearRod& rod : rods) {
-    const Surface<Real>& surface = surfaces[rod.surface];
-    if (IsClear<Real>(surface, x[rod.a], x[rod.b], 0)) continue;
-    const RodView<Real> view = FindRodView<Real>(surface, x[rod.a], x[rod.b]);
-    if (!(view.depth > Real(0))) continue;
-    AddRodForces<Real>(body, surface, view, FindRodShare(body, rod, view.s), v[rod.a], v[rod.b], forces[rod.a],
-                       forces[rod.b]);
-  }
+  VisitPushing<Real>(surfaces, rods, x,
+                     [&](const NearRod& rod, const Surface<Real>& surface, const RodView<Real>& view) {
+                       AddRodForces<Real>(body, surface, view, FindRodShare(body, rod, view.s), v[rod.a], v[rod.b],
+                                          forces[rod.a], forces[rod.b]);
+                     });
 }
 
 template <class Real>
 double ComputeRodContactEnergy(const Coefficients<Real>& body, std::span<const Surface<Real>> surfaces,
                                std::span<const NearRod> rods, std::span<const Vector3<Real>> x) {
   double energy = 0;
-  for (const NearRod& rod : rods) {
-    const RodView<Real> view = FindRodView<Real>(surfaces[rod.surface], x[rod.a], x[rod.b]);
+  VisitPushing<Real>(surfaces, rods, x, [&](const NearRod& rod, const Surface<Real>&, const RodView<Real>& view) {
     energy += double{FindRodShare(body, rod, view.s) * ComputePenaltyEnergy(body.contact, view.depth)};
-  }
+  });
   return energy;
 }
 
