@@ -374,9 +374,10 @@ template <class Real>
 void PairSearch<Real>::PullApart() {
   for (const BodyPair<Real>& pair : m_lists.awake) {
     for (std::size_t side = 0; side < 2; ++side) {
-      if (pair.pulls[side].empty()) continue;
+      const std::vector<VertexForce<Real>>& pulls = pair.pulls[side];
+      if (pulls.empty()) continue;
       Member<Real>& member = m_work.members[pair.places[side]];
-      for (const auto& [vertex, force] : pair.pulls[side]) member.pushes.push_back({vertex, force});
+      member.pushes.insert(member.pushes.end(), pulls.begin(), pulls.end());
       member.load.pushes = member.pushes;
     }
   }

@@ -8,10 +8,6 @@
 
 namespace wobble::physics {
 
-// Margin of the search, m, beyond the way that a body goes in the tick at its present speed: gravity and springs may
-// make it faster.
-inline constexpr double kNearMargin = 0.02;
-
 // The world's, as a tick finds it.
 struct BodyTable {
   std::span<Body> bodies;

@@ -109,15 +109,14 @@ void RenumberEdges(std::uint16_t EdgeContact<Real>::*edge, std::span<const std::
   for (EdgeContact<Real>& contact : contacts) contact.*edge = map[contact.*edge];
 }
 
-// Renumbers this body's edges in its contacts with others and with itself. places: by old vertex. readBlueprint(id): of
-// another body.
-template <class Real, class ReadBlueprint>
-void RenumberEdges(PairLists<Real>& pairs, BodyId id, const Blueprint& before, const Blueprint& after,
-                   std::span<const std::uint16_t> places, const ReadBlueprint& readBlueprint) {
+// Renumbers this body's edges in its contacts with others and with itself. places: by old vertex.
+template <class Real>
+void RenumberEdges(const World& world, PairLists<Real>& pairs, BodyId id, const Blueprint& before,
+                   const Blueprint& after, std::span<const std::uint16_t> places) {
   const auto toSelf = MapEdges(before.selfEdges, after.selfEdges, places);
   VisitPairsOf(id, pairs, [&](BodyPair<Real>& pair) {
     const auto mapToOther = [&] {
-      const Blueprint& other = readBlueprint(pair.OtherThan(id));
+      const Blueprint& other = world.BlueprintOf(*world.FindBody(pair.OtherThan(id)));
       return MapEdges(FindMeetingEdges(before, other), FindMeetingEdges(after, other), places);
     };
     const std::vector<std::uint16_t> map = pair.IsSelf() ? toSelf : mapToOther();
@@ -200,12 +199,11 @@ bool World::ReplaceBlueprint(BodyId id, Blueprint blueprint, std::span<const std
   assert(kept.empty() || kept.back() < before.rest.size());
   const auto places = FindPlaces(kept, before.rest.size());
   const auto faces = MapFaces(Renumber(before.full.faces, places), blueprint.full.faces);
-  const auto readBlueprint = [this](BodyId other) -> const Blueprint& { return BlueprintOf(*FindBody(other)); };
   const auto renumber = [&](auto& work) {
     const auto ofVertices = [&](auto& pair) { RenumberVertices(pair.sides[pair.SideOf(id)], places); };
     VisitPairsOf(id, work.pairs, ofVertices);
     RenumberFaces(work.pairs, id, faces);
-    RenumberEdges(work.pairs, id, before, blueprint, places, readBlueprint);
+    RenumberEdges(*this, work.pairs, id, before, blueprint, places);
   };
   std::visit(renumber, m_engine->workspace);
   RenumberForces(id, places);
@@ -273,10 +271,9 @@ void World::RebuildTorn() {
     const auto kept = ListNumbers(m_blueprints[body.blueprint].rest.size());
     Blueprint left = MakeTornBlueprint(m_blueprints[body.blueprint], torn);
     const auto map = MapFaces(m_blueprints[body.blueprint].full.faces, left.full.faces);
-    const auto readBlueprint = [this](BodyId other) -> const Blueprint& { return BlueprintOf(*FindBody(other)); };
     const auto renumber = [&](auto& work) {
       RenumberFaces(work.pairs, body.id, map);
-      RenumberEdges(work.pairs, body.id, m_blueprints[body.blueprint], left, kept, readBlueprint);
+      RenumberEdges(*this, work.pairs, body.id, m_blueprints[body.blueprint], left, kept);
     };
     std::visit(renumber, m_engine->workspace);
     BlueprintRecipe recipe = m_recipes[body.blueprint];

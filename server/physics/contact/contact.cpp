@@ -20,8 +20,6 @@ constexpr double kStickShare = 0.5;
 constexpr double kStickDampingRatio = 0.3;
 // A vertex that comes in over the edge of ground may be this deep without being buried, m.
 constexpr double kBuriedDepth = 0.01;
-// Added to the way that a vertex goes in the tick, m, for what gravity and springs may add.
-constexpr double kMargin = 0.02;
 
 // The terms of the penalty law at one contact, before the vertex's share: N · normal − kept · pull is the force.
 template <class Real>
@@ -260,7 +258,7 @@ void FindContacts(const SurfaceSearch<Real>& search, std::vector<Contact<Real>>&
   const Bounds<Real>& bounds = search.survey.bounds;
   const Vector3<Real> half = (bounds.high - bounds.low) / Real(2);
   const Vector3<Real> middle = bounds.low + half;
-  const Real margin = search.range + static_cast<Real>(kMargin);
+  const Real margin = search.range + static_cast<Real>(kNearMargin);
   const Real reach = std::sqrt(half.dot(half)) + bounds.speed * search.duration + margin;
   const Vector3<Real> mean = search.survey.bulk.velocity.template cast<Real>();
   auto kept = contacts.begin();

@@ -31,6 +31,10 @@
 
 namespace wobble::physics {
 
+// Margin of every search for contacts, m, beyond the way that a body or vertex goes in the tick at its present speed:
+// gravity and springs may make it faster.
+inline constexpr double kNearMargin = 0.02;
+
 // The distance, m, and the normal of the contact's surface at x, where its vertex is. A buried contact is at kBeyond:
 // the vertex feels nothing. In a box the nearest face is not always the one that the vertex came in through: a fast
 // vertex is past the middle of a wall before it is stopped, and would be pushed out on the far side. So if the normal
@@ -167,6 +171,11 @@ template <class Real>
 struct ContactRates {
   double squareFrequency = 0;
   double dampingRate = 0;
+
+  // Of what acts beside one another on a vertex: stiffnesses and dampings add up.
+  friend ContactRates operator+(const ContactRates& a, const ContactRates& b) {
+    return {a.squareFrequency + b.squareFrequency, a.dampingRate + b.dampingRate};
+  }
 };
 // The rates of one vertex that will be at `depth`, m, negative outside. mass: the vertex's mass over its contact share,
 // kg.

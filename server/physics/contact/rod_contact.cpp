@@ -6,8 +6,6 @@
 namespace wobble::physics {
 namespace {
 
-// Added to the way that a rod goes in the tick, m, for what gravity and springs may add.
-constexpr double kRodMargin = 0.02;
 // A rod with an end deeper in the ground than this has come in from beside it, or is held by its ends, m.
 constexpr double kDeepestEnd = 0.05;
 // Of a search for the deepest point by golden section: to 0.618²⁴ / 2 of the length. The error of the depth is of
@@ -151,8 +149,7 @@ ContactRates SumAtEnds(std::span<const NearRod> rods, std::span<const ContactRat
   for (std::size_t i = 0; i < rods.size(); ++i) {
     const NearRod& other = rods[i];
     if (other.a != rod.a && other.a != rod.b && other.b != rod.a && other.b != rod.b) continue;
-    sum.squareFrequency += rates[i].squareFrequency;
-    sum.dampingRate += rates[i].dampingRate;
+    sum = sum + rates[i];
   }
   return sum;
 }
@@ -165,7 +162,7 @@ void FindNearRods(const Coefficients<Real>& body, std::span<const std::uint8_t> 
   rods.clear();
   if (!body.faces.empty() || body.contact.law != ContactLaw::kPenalty) return;
   const Bounds<Real>& bounds = search.survey.bounds;
-  const Real reach = bounds.speed * search.duration + static_cast<Real>(kRodMargin);
+  const Real reach = bounds.speed * search.duration + static_cast<Real>(kNearMargin);
   for (std::uint32_t s = 0; s < search.surfaces.size(); ++s) {
     const Surface<Real>& surface = search.surfaces[s];
     if (surface.kind == Obstacle::Kind::kPlane) continue;

@@ -172,7 +172,7 @@ double FindTension(const Blueprint& blueprint, double frequency) {
 }
 
 template <class Real>
-void Append(const std::vector<Vector3d>& forces, bool isPlanar, std::vector<Pull<Real>>& pulls) {
+void Append(const std::vector<Vector3d>& forces, bool isPlanar, std::vector<VertexForce<Real>>& pulls) {
   for (std::size_t i = 0; i < forces.size(); ++i) {
     Vector3d force = forces[i];
     if (isPlanar) force.y() = 0;

@@ -73,15 +73,9 @@ struct UntanglingScratch {
   std::array<std::vector<Vector3d>, 2> forces;  // by vertex of the first and the second body, N
 };
 
-// A force on a vertex, N.
-template <class Real>
-struct Pull {
-  std::uint16_t vertex = 0;
-  Vector3<Real> force = Vector3<Real>::Zero();
-};
 // By body.
 template <class Real>
-using Pulls = std::array<std::vector<Pull<Real>>, 2>;
+using Pulls = std::array<std::vector<VertexForce<Real>>, 2>;
 
 // Looks, if it is time to, whether two skins intersect, or the layers of one (the same skin twice), and replaces
 // `pulls` by the forces that take them apart; those of a body on itself are in pulls[0]. shift: from the origin of the

@@ -18,13 +18,6 @@
 
 namespace wobble::physics {
 
-// A force on one vertex from outside, N, for example from a hand that drags it.
-template <class Real>
-struct VertexForce {
-  std::uint16_t vertex = 0;
-  Vector3<Real> force = Vector3<Real>::Zero();
-};
-
 // What multiplies the forces that bring a body back to its shape (methods/recovery.h). All 0: it has its shape as the
 // tick begins.
 struct RecoveryFactors {

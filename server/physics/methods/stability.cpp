@@ -138,10 +138,6 @@ double FindDragDamping(const Blueprint& blueprint, const Load<Real>& load, const
   return blueprint.dragRate * std::sqrt(double{fastest});
 }
 
-ContactRates AddRates(const ContactRates& a, const ContactRates& b) {
-  return {a.squareFrequency + b.squareFrequency, a.dampingRate + b.dampingRate};
-}
-
 // Bounds for a body on a rigid surface at any depth and speed.
 Modes FindModesOnGround(const Blueprint& blueprint) {
   Modes modes;
@@ -192,7 +188,7 @@ double FindStableRate(Integrator integrator, const Blueprint& blueprint, const M
   // for a body without gas.
   const bool springsAreDistances = integrator == Integrator::kPositionVerlet && !(blueprint.full.gas > 0);
   const ContactRates body = springsAreDistances ? ContactRates{} : modes.body;
-  const ContactRates contact = AddRates(modes.surfaces, modes.bodies);
+  const ContactRates contact = modes.surfaces + modes.bodies;
   const double together = body.squareFrequency + contact.squareFrequency;
   const double damping = body.dampingRate + contact.dampingRate;
   return std::max({FindStableRate(integrator, body.squareFrequency, damping),
@@ -268,7 +264,7 @@ Modes FindModes(const Blueprint& blueprint, const Load<Real>& load, const State<
 double FindLargestRate(const Modes& modes, bool& lightlyDamped) {
   const double body = modes.body.squareFrequency;
   const double bodyDamping = modes.body.dampingRate;
-  const ContactRates contact = AddRates(modes.surfaces, modes.bodies);
+  const ContactRates contact = modes.surfaces + modes.bodies;
   const double both = bodyDamping + contact.dampingRate;
   const double rate =
       std::max({FindModeRate(body, both), contact.dampingRate, FindModeRate(body + contact.squareFrequency, both),
@@ -301,7 +297,7 @@ double FindStiffnessBound(const Blueprint& blueprint, double duration) {
 template <class Real>
 int ChooseSubsteps(Integrator integrator, const Blueprint& blueprint, const Load<Real>& load, const State<Real>& state,
                    const SurfaceDemands& fromSurfaces, const ContactRates& fromBodies, double duration) {
-  const Modes modes = FindModes(blueprint, load, state, fromSurfaces.rates, AddRates(fromBodies, fromSurfaces.rods));
+  const Modes modes = FindModes(blueprint, load, state, fromSurfaces.rates, fromBodies + fromSurfaces.rods);
   if (integrator != Integrator::kRungeKutta4) return FindRung(FindStableRate(integrator, blueprint, modes) * duration);
   return FindRung(std::max(FindSubsteps(modes, duration), fromSurfaces.landing));
 }

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>  // cross products
+#include <cstdint>
 
 #ifdef __aarch64__
 // Sums in the order of x86, where no vector is narrower than four floats, so that three are added one by one. On ARM
@@ -19,6 +20,13 @@ template <class Real>
 using Vector3 = Eigen::Matrix<Real, 3, 1>;
 using Vector3d = Vector3<double>;
 using Vector3f = Vector3<float>;
+
+// A force on one vertex from outside, N, for example from a hand that drags it.
+template <class Real>
+struct VertexForce {
+  std::uint16_t vertex = 0;
+  Vector3<Real> force = Vector3<Real>::Zero();
+};
 
 // The part of v that is tangential to a surface with this unit normal.
 template <class Real>

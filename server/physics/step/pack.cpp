@@ -156,54 +156,56 @@ void Pack<Real, Layout>::AddPlaneForces(const Real* from) {
 }
 
 template <class Real, class Layout>
-void Pack<Real, Layout>::AddRecoveryForces(std::size_t lane, const Real* from) {
-  for (std::size_t vertex = 0; vertex < m_body.masses.size(); ++vertex) {
+void Pack<Real, Layout>::AddPlainForces(std::size_t lane, const Real* from, const auto& visit, const auto& add) {
+  visit([&](std::size_t vertex) {
     CopyVertex(vertex, lane, from);
     m_scratch.forces[vertex].setZero();
-  }
-  AddRecovery<Real>(m_body, m_bodies.MemberIn(lane).load.recovery, m_scratch.positions, m_scratch.velocities,
-                    m_scratch.forces);
-  for (std::size_t vertex = 0; vertex < m_body.masses.size(); ++vertex) {
-    const Vector3<Real>& force = m_scratch.forces[vertex];
+  });
+  add();
+  visit([&](std::size_t vertex) {
+    Vector3<Real>& force = m_scratch.forces[vertex];
     if (!force.isZero(Real(0))) AddOuterForce(lane, vertex, force);
-  }
+    force.setZero();
+  });
+}
+
+template <class Real, class Layout>
+void Pack<Real, Layout>::AddRecoveryForces(std::size_t lane, const Real* from) {
+  const auto visitAll = [&](const auto& use) {
+    for (std::size_t vertex = 0; vertex < m_body.masses.size(); ++vertex) use(vertex);
+  };
+  AddPlainForces(lane, from, visitAll, [&] {
+    AddRecovery<Real>(m_body, m_bodies.MemberIn(lane).load.recovery, m_scratch.positions, m_scratch.velocities,
+                      m_scratch.forces);
+  });
 }
 
 template <class Real, class Layout>
 void Pack<Real, Layout>::AddPlainContactForces(std::size_t lane, const Real* from) {
   const Member& member = m_bodies.MemberIn(lane);
   const std::vector<Contact<Real>>& contacts = member.state->contacts;
-  for (const Contact<Real>& contact : contacts) {
-    CopyVertex(contact.vertex, lane, from);
-    m_scratch.forces[contact.vertex].setZero();
-  }
-  AddContacts<Real>(m_body.contact, m_body.contactShares, member.surfaces, contacts, m_scratch.positions,
-                    m_scratch.velocities, m_scratch.forces);
-  for (const Contact<Real>& contact : contacts) {
-    Vector3<Real>& force = m_scratch.forces[contact.vertex];
-    if (!force.isZero(Real(0))) AddOuterForce(lane, contact.vertex, force);
-    force.setZero();  // a vertex may have several contacts
-  }
+  const auto visitTouching = [&](const auto& use) {
+    for (const Contact<Real>& contact : contacts) use(contact.vertex);
+  };
+  AddPlainForces(lane, from, visitTouching, [&] {
+    AddContacts<Real>(m_body.contact, m_body.contactShares, member.surfaces, contacts, m_scratch.positions,
+                      m_scratch.velocities, m_scratch.forces);
+  });
 }
 
 template <class Real, class Layout>
 void Pack<Real, Layout>::AddRodForces(std::size_t lane, const Real* from) {
   const Member& member = m_bodies.MemberIn(lane);
-  for (const NearRod& rod : member.load.rods) {
-    for (const std::uint16_t end : {rod.a, rod.b}) {
-      CopyVertex(end, lane, from);
-      m_scratch.forces[end].setZero();
+  const auto visitEnds = [&](const auto& use) {
+    for (const NearRod& rod : member.load.rods) {
+      use(rod.a);
+      use(rod.b);
     }
-  }
-  AddRodContacts<Real>(m_body, member.surfaces, member.load.rods, m_scratch.positions, m_scratch.velocities,
-                       m_scratch.forces);
-  for (const NearRod& rod : member.load.rods) {
-    for (const std::uint16_t end : {rod.a, rod.b}) {
-      Vector3<Real>& force = m_scratch.forces[end];
-      if (!force.isZero(Real(0))) AddOuterForce(lane, end, force);
-      force.setZero();  // a vertex may be an end of several rods
-    }
-  }
+  };
+  AddPlainForces(lane, from, visitEnds, [&] {
+    AddRodContacts<Real>(m_body, member.surfaces, member.load.rods, m_scratch.positions, m_scratch.velocities,
+                         m_scratch.forces);
+  });
 }
 
 template <class Real, class Layout>

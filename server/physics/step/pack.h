@@ -128,6 +128,9 @@ class Pack {
   void LoadContacts();
   void AddPlaneForces(const Real* from);
   void AddRecoveryForces(std::size_t lane, const Real* from);
+  // Lets add() fill in the scratch's forces from its positions and velocities, and hands them on. visit(use) calls
+  // use(vertex) for each vertex that may get one; a vertex may come more than once.
+  void AddPlainForces(std::size_t lane, const Real* from, const auto& visit, const auto& add);
   void AddPlainContactForces(std::size_t lane, const Real* from);
   void AddRodForces(std::size_t lane, const Real* from);
   void AddToSeat(const PackSeat& seat, const Vector3<Real>& force) {

@@ -92,7 +92,7 @@ class Untangling : public testing::Test {
     const std::size_t count = first.x.size() + second.x.size();
     Eigen::VectorXd forces = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(3 * count));
     for (std::size_t side = 0; side < 2; ++side) {
-      for (const Pull<double>& each : pulls[side]) {
+      for (const VertexForce<double>& each : pulls[side]) {
         const std::size_t vertex = each.vertex + (side == 0 ? 0 : first.x.size());
         forces.segment<3>(static_cast<Eigen::Index>(3 * vertex)) += each.force;
       }
@@ -149,7 +149,7 @@ TEST_F(Untangling, KeepsMomentumAndAngularMomentum) {
   Vector3d torque = Vector3d::Zero();
   double most = 0;
   for (std::size_t side = 0; side < 2; ++side) {
-    for (const Pull<double>& each : pulls[side]) {
+    for (const VertexForce<double>& each : pulls[side]) {
       const Vector3d at = side == 0 ? first.x[each.vertex] : Vector3d(second.x[each.vertex] + shift);
       sum += each.force;
       torque += at.cross(each.force);
