@@ -146,9 +146,8 @@ struct Blueprint {
   // topology.sides, of radius 0.
   std::vector<EdgeEnds> edges;
   double edgeRadius = 0;
-  // Edges by which skins meet one another (contact/edge_contact.h): all sides of an open skin, which may fold anywhere,
-  // and those at which the rest shape is convex and bends by more than kSharpCosine; and what the faces at each have
-  // beside it.
+  // Edges by which skins meet one another (contact/edge_contact.h): borders, and sides at which the rest shape is
+  // convex and bends by more than kSharpCosine; and what the faces at each have beside it.
   std::vector<EdgeEnds> sharpEdges;
   std::vector<EdgeWings> sharpWings;
   double sideLength = 0;  // the mean of topology.sides at rest, m; 0 without faces

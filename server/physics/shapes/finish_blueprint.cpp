@@ -145,13 +145,12 @@ void FindEdges(Blueprint& blueprint) {
   }
 }
 
-// Whether the side of face `f` opposite to its corner is sharp in the rest shape, or, in an open skin, may become so;
-// each side counts for one of its faces.
+// Whether the side of face `f` opposite to its corner is sharp in the rest shape; each side counts for one of its
+// faces.
 bool IsSharp(const Blueprint& blueprint, std::size_t f, std::size_t corner) {
   const std::uint16_t neighbour = blueprint.topology.neighbours[f][corner];
   if (neighbour == kNoFace) return true;
   if (neighbour < f) return false;
-  if (blueprint.topology.isOpen) return true;
   const auto findArea = [&](const Face& face) -> Vector3d {
     const Vector3d& a = blueprint.rest[face[0]];
     return (blueprint.rest[face[1]] - a).cross(blueprint.rest[face[2]] - a);
