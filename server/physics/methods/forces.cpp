@@ -220,9 +220,11 @@ double ComputeGasEnergy(const Coefficients<double>& body, std::span<const Vector
       body.outline.empty() ? ComputeVolume<double>(body.faces, x) : ComputeArea<double>(body.outline, x);
   const double gas = gasFactor * body.gas;
   if (volume > body.floorVolume) return body.ambientPressure * volume - gas * std::log(volume);
-  // Below the floor V_c: ∫ (nRT/V_c)(2 − V/V_c) dV from V to V_c = nRT (3/2 − 2u + u²/2) with u = V/V_c.
+  // Below the floor V_c: ∫ (nRT/V_c)(2 − V/V_c) dV from V to V_c = nRT (3/2 − 2u + u²/2) with u = V/V_c; below 0
+  // without the square.
   const double u = volume / body.floorVolume;
-  return body.ambientPressure * volume - gas * (std::log(body.floorVolume) - (1.5 - 2 * u + u * u / 2));
+  const double square = std::max(u, 0.0) * std::max(u, 0.0);
+  return body.ambientPressure * volume - gas * (std::log(body.floorVolume) - (1.5 - 2 * u + square / 2));
 }
 
 double ComputeKineticEnergy(const Coefficients<double>& body, std::span<const Vector3d> v) {

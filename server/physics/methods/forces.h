@@ -5,6 +5,7 @@
 // fixed order and no multiply-add is contracted: equal input gives equal bits on every compiler.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -83,10 +84,12 @@ template <class Real>
 [[nodiscard]] bool IsInsideOut(const Coefficients<Real>& body, std::span<const Vector3<Real>> x);
 
 // Pressure of an ideal gas, nRT/V, Pa. Below V_c = floorVolume it continues along its tangent, (nRT/V_c)(2 − V/V_c):
-// the hyperbola would let the force grow without bound within one step of a body that is being crushed. gas: nRT, J.
+// the hyperbola would let the force grow without bound within one step of a body that is being crushed. Below 0 it is
+// that of 0: a body that is inside out is to turn out, and the tangent would throw it tens of metres up. gas: nRT, J.
 template <class Real>
 [[nodiscard]] Real ComputePressure(Real gas, Real volume, Real floorVolume) {
-  return volume > floorVolume ? gas / volume : gas / floorVolume * (Real(2) - volume / floorVolume);
+  if (volume > floorVolume) return gas / volume;
+  return gas / floorVolume * (Real(2) - std::max(volume, Real(0)) / floorVolume);
 }
 inline constexpr double kFloorVolumeShare = 0.1;  // V_c as a share of the rest volume
 
@@ -128,7 +131,7 @@ void ComputeAccelerations(const Coefficients<Real>& body, const Load<Real>& load
 [[nodiscard]] double ComputeRepulsionEnergy(const Coefficients<double>& body, std::span<const Vector3d> x,
                                             std::span<const std::uint8_t> torn = {});
 // P₀V − nRT ln(V/V₀), with V₀ = 1 m³ (planar: 1 m²): the work that the gas can still do, up to a constant; below the
-// floor volume the integral of the tangent's pressure.
+// floor volume the integral of ComputePressure.
 [[nodiscard]] double ComputeGasEnergy(const Coefficients<double>& body, std::span<const Vector3d> x,
                                       double gasFactor = 1);
 [[nodiscard]] double ComputeKineticEnergy(const Coefficients<double>& body, std::span<const Vector3d> v);

@@ -43,11 +43,14 @@ TEST(Forces, GasIsTheGradientOfItsEnergy) {
   BallDefinition definition = MakeMeasuredBall();
   definition.material.ambientPressure = 40;
   const Blueprint ball = MakeBall(definition);
-  const std::vector<Vector3d> x = Deform(ball.rest, 0.1);
-  std::vector<Vector3d> forces(x.size(), Vector3d::Zero());
-  AddGas<double>(ball.full, 1, x, forces);
-  ExpectGradient(
-      x, forces, [&](auto at) { return ComputeGasEnergy(ball.full, at); }, 1e-5);
+  for (const double height : {1.0, 0.05, -1.0}) {  // whole, nearly flat, mirrored
+    std::vector<Vector3d> x = Deform(ball.rest, 0.1);
+    for (Vector3d& at : x) at.z() *= height;
+    std::vector<Vector3d> forces(x.size(), Vector3d::Zero());
+    AddGas<double>(ball.full, 1, x, forces);
+    ExpectGradient(
+        x, forces, [&](auto at) { return ComputeGasEnergy(ball.full, at); }, 1e-5);
+  }
 }
 
 // A ring of springs round a gas, in the plane.
@@ -221,13 +224,14 @@ TEST(Forces, PenaltyIsTheGradientOfItsEnergyAndSmooth) {
   EXPECT_NEAR(work, contact.stiffness * (d * d / 2 - delta * d / 2 + delta * delta / 6), 1e-4);
 }
 
-TEST(Forces, PressureGoesOnAlongItsTangentBelowTheFloor) {
+TEST(Forces, PressureGoesOnAlongItsTangentBelowTheFloorAndIsConstantBelowZero) {
   const double floor = 0.1;
   EXPECT_DOUBLE_EQ(ComputePressure(5.0, floor, floor), 5.0 / floor);
   const double slopeAbove = (ComputePressure(5.0, floor + 1e-7, floor) - 5.0 / floor) / 1e-7;
   const double slopeBelow = (5.0 / floor - ComputePressure(5.0, floor - 1e-7, floor)) / 1e-7;
   EXPECT_NEAR(slopeAbove / slopeBelow, 1, 1e-4);
   EXPECT_LE(ComputePressure(5.0, 0.0, floor), 2 * 5.0 / floor) << "finite when crushed flat";
+  EXPECT_DOUBLE_EQ(ComputePressure(5.0, -1.0, floor), ComputePressure(5.0, 0.0, floor));
 }
 
 TEST(Forces, DashpotsTakeEnergyFromStretchingOnly) {
