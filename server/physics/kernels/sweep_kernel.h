@@ -23,7 +23,7 @@ template <class V, class Real>
 WOBBLE_INLINE V FindPressureShare(const SweepTables<Real>& tables, const SweepLanes<Real>& lanes, Real times) {
   const V volume = *reinterpret_cast<const V*>(lanes.sixVolume) / Spread<V>(times);
   const V bounded = Max(volume, Spread<V>(tables.floorVolume));
-  // ComputePressure: nRT/B (2 − V/B) with B = max(V, floor) is nRT/V above the floor, and its tangent below.
+  // ComputePressure: nRT/B (2 − max(V, 0)/B) with B = max(V, floor), which above the floor is nRT/V.
   const V gas = *reinterpret_cast<const V*>(lanes.gas);
   const V pressure = gas / bounded * (Spread<V>(Real(2)) - Max(volume, Spread<V>(Real(0))) / bounded);
   return (pressure - Spread<V>(tables.ambientPressure)) / Spread<V>(times);
