@@ -6,6 +6,7 @@ import { test } from 'node:test';
 const { WOBBLE_EMULATOR: emulator, WOBBLE_BIN_DIR: bin, WOBBLE_NPM_DIR: npm } = process.env;
 const folder = new URL('.', import.meta.url).pathname;
 const notPermitted = 77;
+const untilHealthy = (address) => `until ${bin}/wobble health ${address}; do sleep 0.1; done`;
 
 // The last line of the client's output as JSON; null: not permitted here.
 async function emulate(line, server, client) {
@@ -24,7 +25,7 @@ async function emulate(line, server, client) {
 
 test('a line has the delay and the loss that it is asked for', async (context) => {
   const probe = `node ${folder}udp_probe.mjs`;
-  const seen = await emulate('delay=30ms,loss=10%', `${probe} echo 4000`, `sleep 0.5; ${probe} ask 10.77.0.1 4000 1000`);
+  const seen = await emulate('delay=30ms,loss=10%', `${probe} echo 4000`, `${probe} ask 10.77.0.1 4000 1000`);
   if (seen === null) return context.skip('no network namespaces here');
   assert.ok(seen.p50_ms >= 60 && seen.p50_ms < 66, `${seen.p50_ms} ms`);
   // Both ways: 19 %; 0.14 to 0.24 is four standard deviations.
@@ -34,9 +35,9 @@ test('a line has the delay and the loss that it is asked for', async (context) =
 test('the page is at a short delay soon after its join', async (context) => {
   const seen = await emulate(
     'delay=20ms',
-    `${bin}/wobbled --port 4000 --scene arena --log-level warn & ` +
+    `${bin}/wobbled --port 4000 --ops 9100 --scene arena --log-level warn & ${untilHealthy('9100')}; ` +
       `${bin}/wobble gateway --http 8080 --server 127.0.0.1:4000 & wait`,
-    `sleep 1.5; node ${folder}page_player.mjs ${npm}/package 10.77.0.1:8080 8`,
+    `${untilHealthy('10.77.0.1:8080')}; node ${folder}page_player.mjs ${npm}/package 10.77.0.1:8080 8`,
   );
   if (seen === null) return context.skip('no network namespaces here');
   console.log(JSON.stringify(seen));
