@@ -30,7 +30,8 @@ template <class Real>
 void PrepareMember(const Surroundings& surroundings, const Blueprint& blueprint, const StiffnessRule& stiffness,
                    Body& body, PrepareScratch<Real>& scratch, Member<Real>& member);
 
-// The box round a prepared body, the way that it goes in `duration` s at its present speed, and a margin.
+// The box round a prepared body, the way that it goes in `duration` s at its present speed, and a margin; without the
+// way if no step could find what the body meets on it.
 template <class Real>
 [[nodiscard]] Box FindTickBox(const Member<Real>& member, double duration);
 

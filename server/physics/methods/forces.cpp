@@ -223,8 +223,8 @@ double ComputeGasEnergy(const Coefficients<double>& body, std::span<const Vector
   // Below the floor V_c: ∫ (nRT/V_c)(2 − V/V_c) dV from V to V_c = nRT (3/2 − 2u + u²/2) with u = V/V_c; below 0
   // without the square.
   const double u = volume / body.floorVolume;
-  const double square = std::max(u, 0.0) * std::max(u, 0.0);
-  return body.ambientPressure * volume - gas * (std::log(body.floorVolume) - (1.5 - 2 * u + square / 2));
+  const double bounded = std::max(u, 0.0);
+  return body.ambientPressure * volume - gas * (std::log(body.floorVolume) - (1.5 - 2 * u + bounded * bounded / 2));
 }
 
 double ComputeKineticEnergy(const Coefficients<double>& body, std::span<const Vector3d> v) {

@@ -134,8 +134,8 @@ class ImplicitSolver {
     }
   }
 
-  // Fills in the gradient of the volume and adds its part of the right side. Returns σ of the term σ ∇V ∇Vᵀ, which is
-  // not in the matrix.
+  // Fills in the gradient of the volume and adds its part of the right side. Returns σ = −h² dP/dV of the term
+  // σ ∇V ∇Vᵀ, which is not in the matrix; P is ComputePressure's, constant below zero volume.
   Real AddGas(Real h, const SteppedBody<Real>& body, std::span<const Vector3<Real>> x,
               std::span<const Vector3<Real>> v) {
     for (Vector3<Real>& g : m_volumeGradient) g.setZero();
@@ -146,8 +146,10 @@ class ImplicitSolver {
     }
     Real growth = 0;  // of the volume, m³/s
     for (std::size_t i = 0; i < x.size(); ++i) growth += m_volumeGradient[i].dot(v[i]);
-    const Real volume = std::max(ComputeVolume<Real>(m_body->faces, x), m_body->floorVolume);
-    const Real softness = h * h * body.load->gasFactor * m_body->gas / (volume * volume);
+    const Real volume = ComputeVolume<Real>(m_body->faces, x);
+    const Real bounded = std::max(volume, m_body->floorVolume);
+    const Real fall = volume > Real(0) ? body.load->gasFactor * m_body->gas / (bounded * bounded) : Real(0);
+    const Real softness = h * h * fall;
     for (std::size_t i = 0; i < x.size(); ++i) {
       const int row = RowOf(i);
       m_gradient.template segment<3>(row) = (IsFixed(i) ? Real(0) : Real(1)) * m_volumeGradient[i];

@@ -2,8 +2,11 @@
 
 #include <cmath>
 #include <limits>
-#include "server/physics/shapes/pair.h"
+#include <memory>
+#include <random>
 
+#include "server/physics/shapes/cloth.h"
+#include "server/physics/shapes/pair.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 #include "tests/support/pace.h"
@@ -113,6 +116,29 @@ TEST(Quarantine, TheNeighbourOfALostBodyLives) {
   EXPECT_EQ(after.quarantined, 0U);
   EXPECT_NEAR(world.FindCentre(world.ReadBody(1)).z(), world.FindCentre(world.ReadBody(2)).z(), 0.05)
       << "both lie on the ground, rocking a little";
+}
+
+// The vertices of one of ten cloths fly apart at up to 10⁶ m/s: all others are within their way.
+TEST(Quarantine, WhatIsTooFastToMeetAnythingLeavesTheOthersAlone) {
+  const auto make = [] {
+    auto world = std::make_unique<World>(WorldSettings{});
+    world->AddBlueprint(MakeCloth({.points = {8, 8}}));
+    world->AddObstacle(Obstacle{});
+    for (int i = 0; i < 10; ++i) world->AddBody(0, Vector3d(5.0 * i, 0, 3));
+    return world;
+  };
+  const auto world = make();
+  const auto calm = make();
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> speed(-1e6, 1e6);
+  const auto positions = ReadPositions(*world, 5);
+  std::vector<Vector3d> velocities;
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    velocities.emplace_back(speed(random), speed(random), speed(random));
+  world->SetMotion(5, positions, velocities);
+  EXPECT_EQ(Play(*world, 60).reset, 1U);
+  Play(*calm, 60);
+  for (const BodyId id : {1, 4, 6, 10}) EXPECT_EQ(ReadPositions(*world, id), ReadPositions(*calm, id)) << id;
 }
 
 // Vertices are thrown about at random, from a push to the speed of a bullet: the result is always finite and the right
