@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace wobble::physics {
 namespace {
@@ -11,7 +12,8 @@ constexpr double kDeepestEnd = 0.05;
 // Of a search for the deepest point by golden section: to 0.618²⁴ / 2 of the length. The error of the depth is of
 // second order.
 constexpr int kSections = 24;
-constexpr int kMostSamples = 64;  // of ground along a rod
+constexpr int kSamplesOfCell = 4;  // of ground along a rod; so many at least
+constexpr int kMostSamples = 64;
 
 // What a rod sees of a surface.
 template <class Real>
@@ -53,27 +55,38 @@ Real SearchSection(const Surface<Real>& surface, const Vector3<Real>& a, const V
   return (low + high) / Real(2);
 }
 
-// The distance from a convex obstacle is a convex function along a line. That from ground is not: it is sampled twice a
-// cell first.
+// The distance from a convex obstacle is a convex function along a line. That from ground is not: it is sampled four
+// times a cell, and the search goes on from every sample that is less than its neighbours. From the least sample alone,
+// the place leapt to a deeper valley of the distance when another sample became the least: energy from nowhere.
 template <class Real>
 Real FindDeepestPlace(const Surface<Real>& surface, const Vector3<Real>& a, const Vector3<Real>& along) {
   if (surface.kind != Obstacle::Kind::kHeightField) return SearchSection<Real>(surface, a, along, 0, 1);
+  const auto read = [&](Real s) { return FindSurfacePoint<Real>(surface, a + s * along).distance; };
   const Real level = std::sqrt(along.x() * along.x() + along.y() * along.y());
   const auto cell = static_cast<Real>(surface.field->cellSize);
-  const Real wanted = std::ceil(Real(2) * level / cell);
-  const int samples = wanted > Real(2) ? static_cast<int>(std::min(wanted, Real(kMostSamples))) : 2;  // NaN: 2
-  int deepest = 0;
-  Real least = 0;
-  for (int i = 0; i <= samples; ++i) {
-    const Real s = static_cast<Real>(i) / static_cast<Real>(samples);
-    const Real distance = FindSurfacePoint<Real>(surface, a + s * along).distance;
-    if (i > 0 && !(distance < least)) continue;
-    deepest = i;
-    least = distance;
-  }
+  const Real wanted = std::ceil(Real(kSamplesOfCell) * level / cell);
+  const int samples = wanted > Real(kSamplesOfCell) ? static_cast<int>(std::min(wanted, Real(kMostSamples)))
+                                                    : kSamplesOfCell;  // NaN: as few
   const Real step = Real(1) / static_cast<Real>(samples);
-  return SearchSection<Real>(surface, a, along, std::max(Real(0), static_cast<Real>(deepest - 1) * step),
-                             std::min(Real(1), static_cast<Real>(deepest + 1) * step));
+  Real deepest = 0;
+  Real least = std::numeric_limits<Real>::infinity();
+  Real before = least;
+  Real here = read(0);
+  for (int i = 0; i <= samples; ++i) {
+    const Real after = i < samples ? read(static_cast<Real>(i + 1) * step) : std::numeric_limits<Real>::infinity();
+    if (here <= before && here <= after) {
+      const Real place = SearchSection<Real>(surface, a, along, std::max(Real(0), static_cast<Real>(i - 1) * step),
+                                             std::min(Real(1), static_cast<Real>(i + 1) * step));
+      const Real distance = read(place);
+      if (distance < least) {
+        least = distance;
+        deepest = place;
+      }
+    }
+    before = here;
+    here = after;
+  }
+  return deepest;
 }
 
 template <class Real>
