@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "server/physics/contact/body_contact_view.h"
 #include "server/physics/kernels/contact/contact_limits.h"
@@ -47,6 +48,14 @@ FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const Vector3<Real
   return ChooseSide(meeting, there, p, contact.outward, contact.side);
 }
 
+// Whether the vertex, which was in the gap above a face of an open skin, has come to another face. In a valley it is in
+// the gaps of both, but is pushed out of one alone, until it has slid over the edge. What it is deep in the other gap
+// then, nothing has pressed. Up to Skin::offset of leap lets no vertex through: the depth below the plane remains.
+template <class Real>
+bool HasCrossedValley(const Skin<Real>& skin, const BodyContact<Real>& contact, const FacePoint<Real>& at) {
+  return at.face != contact.face && !at.rounded && contact.depth + contact.leap < skin.offset;
+}
+
 // Updates contact.leap, the depth that no motion has brought, for a contact that went from `before` to `at` in h s.
 //
 // When a fold brings another face before a vertex, or a face that did not lie above the vertex begins to, the depth
@@ -57,22 +66,28 @@ FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const Vector3<Real
 // In a closed body, all depth that the approach cannot have brought is leap. An open skin has nothing behind its faces
 // that could catch the vertex later. There the depth goes over steadily from face to face (FindSeen), and a contact
 // that touches takes on no leap: with one, balls and pairs sank through at every ridge that they were pressed against.
-// One that begins does, of the depth that no motion in any direction could have brought.
+// One that begins does, of the depth that no motion in any direction could have brought, and so does one that has
+// crossed a valley.
 template <class Real>
 void NoteLeap(const ContactParameters<Real>& parameters, const Meeting<Real>& meeting, const FacePoint<Real>& at,
               Real h, BodyContact<Real>& contact) {
   const Real depth = -at.distance;
   const Vector3<Real> velocity = FindRelativeVelocity(meeting, contact.vertex, at);
   Real most = contact.depth;
+  Real room = std::numeric_limits<Real>::max();  // for more leap
   if (meeting.skin.topology->isOpen) {
-    if (contact.phase == ContactPhase::kTouching) most = depth;
-    if (contact.phase != ContactPhase::kAside) most += static_cast<Real>(kArmingDepth);
+    if (HasCrossedValley(meeting.skin, contact, at)) {
+      room = std::max(Real(0), meeting.skin.offset - contact.leap);
+    } else {
+      if (contact.phase == ContactPhase::kTouching) most = depth;
+      if (contact.phase != ContactPhase::kAside) most += static_cast<Real>(kArmingDepth);
+    }
     most += static_cast<Real>(kArmingSteps) * h * std::sqrt(velocity.dot(velocity));
   } else {
     most +=
         FindFreeDepth(parameters) + static_cast<Real>(kArmingSteps) * h * std::max(Real(0), -at.normal.dot(velocity));
   }
-  contact.leap += std::max(Real(0), depth - contact.leap - most);
+  contact.leap += std::clamp(depth - contact.leap - most, Real(0), room);
   contact.leap = std::clamp(contact.leap, Real(0), std::max(Real(0), depth));
 }
 

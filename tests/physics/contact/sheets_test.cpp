@@ -82,6 +82,57 @@ TEST(Sheets, PushPastABorderByTheDistanceFromIt) {
   }
 }
 
+// A valley along the y axis whose sides rise by `slope`, and a vertex that a gap keeps off it.
+struct Valley {
+  std::vector<Vector3d> x;
+  std::vector<Face> faces{{0, 2, 1}, {0, 1, 3}};
+  Topology topology = MakeTopology(faces, 4);
+  std::vector<Vector3d> vertex{Vector3d::Zero()};
+  std::vector<Vector3d> still = std::vector<Vector3d>(4, Vector3d::Zero());
+  std::vector<double> shares{1};
+  BodyContact<double> contact{.phase = ContactPhase::kTouching, .maxDepth = 0.011, .depth = 0.001};
+  static constexpr double kOffset = 0.03;
+
+  explicit Valley(double slope) : x{{0, -1, 0}, {0, 1, 0}, {1, 0, slope}, {-1, 0, slope}} {}
+
+  [[nodiscard]] Skin<double> View() const {
+    return {.faces = faces, .topology = &topology, .x = std::span<const Vector3d>(x), .offset = kOffset};
+  }
+  // Puts the vertex's foot `beyond` m past the edge, `height` m above the plane of face 0.
+  void MoveTo(double beyond, double height) {
+    const FacePoint<double> side = FindFacePoint(View(), 0, vertex[0]);
+    const Vector3d up = (x[2] - Vector3d::Zero()).normalized();
+    vertex[0] = height * side.normal - beyond * up;
+    Material material;
+    material.stiffness = 1000;
+    const Meeting<double> meeting{.x = vertex,
+                                  .v = std::span<const Vector3d>(still).first(1),
+                                  .shares = shares,
+                                  .skin = View(),
+                                  .skinV = std::span<const Vector3d>(still)};
+    UpdateBodyContacts<double>(MakeContactParameters(material, 1, 0.5), meeting, 1e-3, {&contact, 1});
+  }
+};
+
+// Over the edge the other side's gap is up to all of Skin::offset deep at once: of a stiff pair in an open mesh it made
+// energy enough to throw both. Below the other side's plane the vertex is pushed all the same.
+TEST(Sheets, PushOutOfAValleyWhatHasComeIntoIt) {
+  for (const double slope : {0.4, 0.6, 0.8}) {
+    Valley valley(slope);
+    valley.MoveTo(-0.001, 0.029);
+    ASSERT_EQ(valley.contact.face, 0) << slope;
+    ASSERT_NEAR(valley.contact.depth, 0.001, 1e-9);
+    valley.MoveTo(1e-6, 0.029);
+    EXPECT_EQ(valley.contact.face, 1) << slope;
+    EXPECT_GT(valley.contact.leap, 0.008) << slope;
+    EXPECT_LT(valley.contact.depth, 0.0011) << slope;
+    for (int i = 1; i <= 50; ++i) valley.MoveTo(0.001 * i, 0.029);
+    const double below = -FindFacePoint(valley.View(), 1, valley.vertex[0]).distance - Valley::kOffset;
+    ASSERT_GT(below, 0.001);
+    EXPECT_GE(valley.contact.depth, below - 1e-9) << slope;
+  }
+}
+
 // A vertex whose walk has ended at a layer of the skin that is turned over: it is behind it by `below` m without having
 // passed it.
 struct TurnedLayer {
