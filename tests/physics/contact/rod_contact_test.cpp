@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -166,6 +167,51 @@ TEST(RodContact, TheForceIsTheGradientOfItsEnergy) {
       EXPECT_GT(pushed, 20) << name;
     }
   }
+}
+
+Obstacle MakeHills(std::mt19937& random) {
+  std::uniform_real_distribution<double> height(-0.2, 0.2);
+  std::vector<double> heights(81);
+  for (double& each : heights) each = height(random);
+  Obstacle hills;
+  hills.kind = Obstacle::Kind::kHeightField;
+  hills.centre = {-4, -4, 0};
+  hills.field = MakeHeightField(9, 1, heights);
+  return hills;
+}
+
+// The energy of a rod at the deepest of 4,001 points, J.
+double FindEnergyByMany(const LoneRod<double>& rod, const std::vector<Vector3d>& x) {
+  const auto read = [&](double s) {
+    return FindSurfacePoint<double>(rod.surfaces[0], (1 - s) * x[0] + s * x[1]).distance;
+  };
+  double deepest = 0;
+  for (int i = 1; i <= 4000; ++i) {
+    if (read(i / 4000.0) < read(deepest)) deepest = i / 4000.0;
+  }
+  const double depth = std::min({0.0, read(0), read(1)}) - read(deepest);
+  const double share = (1 - deepest) * rod.Body().contactShares[0] + deepest * rod.Body().contactShares[1];
+  return share * ComputePenaltyEnergy(rod.Body().contact, depth);
+}
+
+// The distance from hills has several minima along a rod. Where another becomes the least, a search from too few
+// samples comes to it late, and the depth leaps.
+TEST(RodContact, FindsTheDeepestPlaceAmongHills) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> within(-2.5, 2.5);
+  int pushed = 0;
+  for (int trial = 0; trial < 500; ++trial) {
+    const LoneRod<double> rod(MakeHills(random));
+    const double angle = within(random);
+    const Vector3d middle(within(random), within(random), 0);
+    const Vector3d half = kHalfRod * Vector3d(std::cos(angle), std::sin(angle), 0);
+    std::vector<Vector3d> x{middle - half, middle + half};
+    for (Vector3d& end : x) end.z() -= FindSurfacePoint<double>(rod.surfaces[0], end).distance;
+    const double energy = FindEnergyByMany(rod, x);
+    pushed += energy > 0.1 ? 1 : 0;
+    EXPECT_NEAR(rod.FindEnergy(x), energy, 0.002 * energy + 1e-6) << trial;
+  }
+  EXPECT_GT(pushed, 100);
 }
 
 TEST(RodContact, WhatLiesOnAFlatSideIsHeldByItsEnds) {
