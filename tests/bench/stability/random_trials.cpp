@@ -131,6 +131,7 @@ nlohmann::ordered_json MakeRow(std::size_t number, const RandomTrial& trial) {
           {"non_finite", trial.nonFinite},
           {"inverted", trial.inverted},
           {"quarantined", trial.quarantined},
+          {"reset", trial.reset},
           {"failed_tick", trial.failedTick},
           {"failed_body", trial.failedBody},
           {"recording", trial.recording.file.string()}};
@@ -263,6 +264,7 @@ void ReplayOne(Bench& bench) {
   if (trial.failedTick > 0 || !bench.options.recordings.empty()) Record(bench.options, number, violence, trial);
   bench.results.rows.push_back(MakeRow(number, trial));
   bench.results.remarks.push_back(DescribeTrial(bench.options.seed, number, violence, trial));
+  bench.results.AddFigureAtMost("reset", trial.reset, 0, violence == Violence::kPlay);
   bench.results.AddFigureAtMost("quarantined", trial.quarantined, 0, violence == Violence::kPlay);
 }
 
@@ -290,6 +292,7 @@ void MeasureRandomTrials(Bench& bench) {
   results.AddFigure("random_trials", sums.trials);
   results.AddFigureAtMost("non_finite", sums.nonFinite, 0);
   results.AddFigureAtMost("inverted", sums.inverted, 0);
+  results.AddFigureAtMost("reset", sums.reset, 0);
   results.AddFigureAtMost("quarantined", sums.quarantined, 0);
   results.AddFigure("failed_trials", sums.failed);
   results.AddFigure("penetration_p999", FindP999(std::move(sums.depths)));
