@@ -53,7 +53,7 @@ FacePoint<Real> FindPresentFace(const Meeting<Real>& meeting, const Vector3<Real
 // then, nothing has pressed. Up to Skin::offset of leap lets no vertex through: the depth below the plane remains.
 template <class Real>
 bool HasCrossedValley(const Skin<Real>& skin, const BodyContact<Real>& contact, const FacePoint<Real>& at) {
-  return at.face != contact.face && !at.rounded && contact.depth + contact.leap < skin.offset;
+  return MayPush(contact.phase) && at.face != contact.face && !at.rounded && contact.depth + contact.leap < skin.offset;
 }
 
 // Updates contact.leap, the depth that no motion has brought, for a contact that went from `before` to `at` in h s.
