@@ -117,7 +117,7 @@ struct Valley {
 // Over the edge the other side's gap is up to all of Skin::offset deep at once: of a stiff pair in an open mesh it made
 // energy enough to throw both. Below the other side's plane the vertex is pushed all the same.
 TEST(Sheets, PushOutOfAValleyWhatHasComeIntoIt) {
-  for (const double slope : {0.4, 0.6, 0.8}) {
+  for (const double slope : {0.6, 0.8}) {
     Valley valley(slope);
     valley.MoveTo(-0.001, 0.029);
     ASSERT_EQ(valley.contact.face, 0) << slope;
