@@ -148,7 +148,6 @@ void PairSearch<Real>::AddPairs() {
     if (known) pair.core = before->core;
     if (known) pair.gap = before->gap;
     if (known) pair.tangle = before->tangle;
-    if (!known) pair.tangle.untilLook = FindFirstLook(BlueprintOf(a), BlueprintOf(b), m_table.tick + a + b);
     if (known) pair.pulls = std::move(before->pulls);
     if (known) ++before;
     for (const std::uint32_t body : pair.places) AttachSleeper(body);
@@ -165,7 +164,7 @@ void PairSearch<Real>::Separate(BodyPair<Real>& pair) {
     pair.places[side] = FindPlace(side == 0 ? pair.first : pair.second);
   }
   const auto holdsBack = [&](std::size_t side) {
-    const Topology& skin = BlueprintOf(pair.places[1 - side]).topology;
+    const Topology& skin = m_table.blueprints[m_table.bodies[pair.places[1 - side]].blueprint].topology;
     return std::ranges::any_of(pair.sides[side], [&](const auto& contact) { return IsBehind(skin, contact); });
   };
   if (!holdsBack(0) && !holdsBack(1)) return Recycle(pair);
@@ -185,7 +184,7 @@ std::uint32_t PairSearch<Real>::FindPlace(BodyId id) const {
 template <class Real>
 void PairSearch<Real>::AttachSleeper(std::uint32_t body) {
   if (!IsAsleep(body)) return;
-  m_work.members[body].blueprint = &BlueprintOf(body);
+  m_work.members[body].blueprint = &m_table.blueprints[m_table.bodies[body].blueprint];
   m_work.members[body].state = &std::get<State<Real>>(m_table.bodies[body].state);
 }
 
@@ -216,7 +215,7 @@ void PairSearch<Real>::ReserveSkins() {
   if (m_lists.skins.size() >= count) return;
   m_lists.skins.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
-    m_lists.skins[i].Reserve(BlueprintOf(static_cast<std::uint32_t>(i)).rest.size());
+    m_lists.skins[i].Reserve(m_table.blueprints[m_table.bodies[i].blueprint].rest.size());
   }
 }
 

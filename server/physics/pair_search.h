@@ -2,7 +2,6 @@
 // which sleeping bodies wake because an awake one touches them.
 #pragma once
 
-#include <cstdint>
 #include <span>
 
 #include "server/physics/world_engine.h"
@@ -14,7 +13,6 @@ struct BodyTable {
   std::span<Body> bodies;
   std::span<const Blueprint> blueprints;
   Roster& roster;
-  std::uint32_t tick = 0;  // its number
 };
 
 // Fills in the workspace's PairLists from its boxes and members. A tick calls FindPairs, MeetAll, then WakeTouched and
@@ -73,9 +71,6 @@ class PairSearch {
   void Recycle(BodyPair<Real>& pair);
   std::vector<BodyContact<Real>> TakeSpareList();
 
-  [[nodiscard]] const Blueprint& BlueprintOf(std::uint32_t body) const {
-    return m_table.blueprints[m_table.bodies[body].blueprint];
-  }
   [[nodiscard]] bool IsAsleep(std::uint32_t body) const { return m_table.bodies[body].asleep; }
 
   BodyTable m_table;

@@ -29,7 +29,7 @@ StepReport World::StepIn(Workspace<Real>& work) {
   const std::span<const SweepKernel<Real>> kernels = FindSweepKernels<Real>(m_settings.widestPack);
   Threads& threads = m_engine->threads;
   Roster& roster = m_engine->roster;
-  PairSearch<Real> search({m_bodies, m_blueprints, roster, m_tick}, duration, kernels.back(), threads, work);
+  PairSearch<Real> search({m_bodies, m_blueprints, roster}, duration, kernels.back(), threads, work);
   const auto prepareAll = [&](std::span<const std::uint32_t> places) {
     threads.ForEach(places.size(), [&](std::size_t i) {
       const std::uint32_t place = places[i];

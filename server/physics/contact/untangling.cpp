@@ -45,27 +45,18 @@ class View {
     return body == 0 ? local : Vector3d(local + m_shift);
   }
 
-  [[nodiscard]] std::array<Vector3d, 3> CornersOf(const Triangle& triangle) const {
-    const auto& [a, b, c] = FaceOf(triangle);
-    return {At(triangle.body, a), At(triangle.body, b), At(triangle.body, c)};
-  }
-
-  // Fills in the faces of both bodies that reach into the box that both have in common, by their low end along its
-  // longest side, and returns that axis.
-  int ListNear(std::vector<std::uint8_t>& beside, std::vector<Triangle>& near) const {
+  // Fills in the faces of both bodies that reach into the box that both have in common, by their low end along x.
+  void ListNear(std::vector<Triangle>& near) const {
     near.clear();
     const Eigen::AlignedBox3d common = BoxOf(0).intersection(BoxOf(1));
-    if (common.isEmpty()) return 0;
-    int axis = 0;
-    common.sizes().maxCoeff(&axis);
-    for (std::uint8_t body = 0; body < (m_isSelf ? 1 : 2); ++body) AddNear(body, common, beside, near);
-    std::ranges::sort(near, [axis](const Triangle& a, const Triangle& b) {
-      const double lowA = a.box.min()[axis];
-      const double lowB = b.box.min()[axis];
+    if (common.isEmpty()) return;
+    for (std::uint8_t body = 0; body < (m_isSelf ? 1 : 2); ++body) AddNear(body, common, near);
+    std::ranges::sort(near, [](const Triangle& a, const Triangle& b) {
+      const double lowA = a.box.min().x();
+      const double lowB = b.box.min().x();
       if (lowA != lowB) return lowA < lowB;
       return a.body != b.body ? a.body < b.body : a.face < b.face;
     });
-    return axis;
   }
 
  private:
@@ -77,25 +68,20 @@ class View {
             Vector3d(bounds.high.template cast<double>() + ShiftOf(body))};
   }
 
-  // Most faces of two bodies that touch are on one side of the common box. beside: overwritten; by vertex, a bit for
-  // each side of the box that the vertex is beyond.
-  void AddNear(std::uint8_t body, const Eigen::AlignedBox3d& common, std::vector<std::uint8_t>& beside,
-               std::vector<Triangle>& near) const {
+  // Most faces of two bodies that touch are on one side of the common box: those cost some comparisons.
+  void AddNear(std::uint8_t body, const Eigen::AlignedBox3d& common, std::vector<Triangle>& near) const {
     const std::span<const Vector3<Real>> x = m_skins[body]->x;
     const std::span<const Face> faces = BlueprintOf(body).full.faces;
     const Vector3<Real> low = (common.min() - ShiftOf(body)).template cast<Real>();
     const Vector3<Real> high = (common.max() - ShiftOf(body)).template cast<Real>();
-    beside.resize(x.size());
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      unsigned bits = 0;
-      for (int axis = 0; axis < 3; ++axis) {
-        bits |= (x[i][axis] > high[axis] ? 1U : 0U) << axis | (x[i][axis] < low[axis] ? 8U : 0U) << axis;
-      }
-      beside[i] = static_cast<std::uint8_t>(bits);
-    }
     for (std::size_t i = 0; i < faces.size(); ++i) {
       const auto& [a, b, c] = faces[i];
-      if ((beside[a] & beside[b] & beside[c]) != 0) continue;
+      bool isBeside = false;
+      for (int axis = 0; axis < 3; ++axis) {
+        isBeside |= std::min({x[a][axis], x[b][axis], x[c][axis]}) > high[axis];
+        isBeside |= std::max({x[a][axis], x[b][axis], x[c][axis]}) < low[axis];
+      }
+      if (isBeside) continue;
       Triangle triangle{.box = {}, .face = static_cast<std::uint16_t>(i), .body = body};
       for (const std::uint16_t corner : faces[i]) triangle.box.extend(At(body, corner));
       near.push_back(triangle);
@@ -115,9 +101,11 @@ struct Corner {
   Vector3d normal = Vector3d::Zero();   // of the face, a unit
 };
 
-// over, under: (begin − face[0])·doubleArea, and that of `end`, of different signs.
-std::optional<Corner> FindCorner(const Vector3d& begin, double over, const Vector3d& end, double under,
-                                 const std::array<Vector3d, 3>& face, const Vector3d& doubleArea) {
+std::optional<Corner> FindCorner(const Vector3d& begin, const Vector3d& end, const std::array<Vector3d, 3>& face) {
+  const Vector3d doubleArea = (face[1] - face[0]).cross(face[2] - face[0]);
+  const double over = (begin - face[0]).dot(doubleArea);
+  const double under = (end - face[0]).dot(doubleArea);
+  if ((over > 0) == (under > 0)) return std::nullopt;
   Corner corner;
   corner.along = over / (over - under);
   const Vector3d at = begin + corner.along * (end - begin);
@@ -147,32 +135,25 @@ Vector3d FindContour(const Corner& corner, const Vector3d& toWing) {
 template <class Real>
 bool AddForcesOfSides(const View<Real>& view, const Triangle& a, const Triangle& b, double tension,
                       std::array<std::vector<Vector3d>, 2>& forces) {
-  const std::array<Vector3d, 3> own = view.CornersOf(a);
-  const std::array<Vector3d, 3> face = view.CornersOf(b);
-  const Vector3d doubleArea = (face[1] - face[0]).cross(face[2] - face[0]);
-  std::array<double, 3> over{};
-  for (std::size_t i = 0; i < 3; ++i) over[i] = (own[i] - face[0]).dot(doubleArea);
-  if ((over[0] > 0) == (over[1] > 0) && (over[0] > 0) == (over[2] > 0)) return false;
   const Topology& topology = view.BlueprintOf(a.body).topology;
   const Face& ofSides = view.FaceOf(a);
   const Face& other = view.FaceOf(b);
   bool found = false;
   for (std::size_t i = 0; i < 3; ++i) {
-    const std::size_t from = (i + 1) % 3;
-    const std::size_t to = (i + 2) % 3;
-    if ((over[from] > 0) == (over[to] > 0)) continue;
     const std::uint16_t neighbour = topology.neighbours[a.face][i];
     if (neighbour != kNoFace && neighbour < a.face) continue;
-    const std::uint16_t begin = ofSides[from];
-    const std::uint16_t end = ofSides[to];
+    const std::uint16_t begin = ofSides[(i + 1) % 3];
+    const std::uint16_t end = ofSides[(i + 2) % 3];
     const auto isItsCorner = [&](std::uint16_t vertex) { return std::ranges::find(other, vertex) != other.end(); };
     if (view.IsSelf() && (isItsCorner(begin) || isItsCorner(end))) continue;
-    const std::optional<Corner> corner = FindCorner(own[from], over[from], own[to], over[to], face, doubleArea);
+    const Vector3d from = view.At(a.body, begin);
+    const std::array<Vector3d, 3> face{view.At(b.body, other[0]), view.At(b.body, other[1]), view.At(b.body, other[2])};
+    const std::optional<Corner> corner = FindCorner(from, view.At(a.body, end), face);
     if (!corner) continue;
     found = true;
     if (!(tension > 0)) continue;
-    Vector3d contour = FindContour(*corner, own[i] - own[from]);
-    if (neighbour != kNoFace) contour += FindContour(*corner, view.At(a.body, topology.across[a.face][i]) - own[from]);
+    Vector3d contour = FindContour(*corner, view.At(a.body, ofSides[i]) - from);
+    if (neighbour != kNoFace) contour += FindContour(*corner, view.At(a.body, topology.across[a.face][i]) - from);
     const double leverage = contour.dot(corner->side) / corner->side.dot(corner->normal);
     const double bounded = std::max(-kMostLeverage, std::min(kMostLeverage, leverage));  // finite for 0/0 as well
     const Vector3d onFace = tension * bounded * corner->normal;
@@ -200,11 +181,6 @@ void Append(const std::vector<Vector3d>& forces, bool isPlanar, std::vector<Vert
   }
 }
 
-// Two closed bodies, and planar ones.
-bool IsPatient(const Blueprint& first, const Blueprint& second) {
-  return (!first.topology.isOpen && !second.topology.isOpen) || first.full.planar || second.full.planar;
-}
-
 // A share of the full tension; time: for which the skins have been in one another, s.
 double FindGrown(bool isSlow, double time) {
   return std::clamp(isSlow ? (time - kSlowDelay) / kSlowGrowTime : time / kGrowTime, 0.0, 1.0);
@@ -213,7 +189,7 @@ double FindGrown(bool isSlow, double time) {
 // Whether they intersect, and where the tension has begun to grow, the forces.
 template <class Real>
 bool FindPulls(const View<Real>& view, double grown, double tick, UntanglingScratch& scratch, Pulls<Real>& pulls) {
-  const int axis = view.ListNear(scratch.beside, scratch.near);
+  view.ListNear(scratch.near);
   if (scratch.near.empty()) return false;
   double tension = 0;
   if (grown > 0) {
@@ -229,7 +205,7 @@ bool FindPulls(const View<Real>& view, double grown, double tick, UntanglingScra
     const Triangle& a = scratch.near[i];
     for (std::size_t j = i + 1; j < scratch.near.size(); ++j) {
       const Triangle& b = scratch.near[j];
-      if (b.box.min()[axis] > a.box.max()[axis]) break;
+      if (b.box.min().x() > a.box.max().x()) break;
       if ((a.body == b.body) != view.IsSelf() || !a.box.intersects(b.box)) continue;
       found |= AddForcesOfSides(view, a, b, tension, scratch.forces);
       found |= AddForcesOfSides(view, b, a, tension, scratch.forces);
@@ -244,11 +220,6 @@ bool FindPulls(const View<Real>& view, double grown, double tick, UntanglingScra
 
 }  // namespace
 
-int FindFirstLook(const Blueprint& first, const Blueprint& second, std::uint32_t turn) {
-  constexpr std::uint32_t kTurns = kTicksUntilSlowLook + 1;
-  return IsPatient(first, second) ? static_cast<int>(kTurns - 1 - turn % kTurns) : 0;
-}
-
 template <class Real>
 void Untangle(const TangledSkin<Real>& first, const TangledSkin<Real>& second, const Vector3d& shift, double tick,
               UntanglingScratch& scratch, Tangle& tangle, Pulls<Real>& pulls) {
@@ -259,12 +230,13 @@ void Untangle(const TangledSkin<Real>& first, const TangledSkin<Real>& second, c
     return;
   }
   const View<Real> view(first, second, shift);
-  const bool isPatient = IsPatient(*first.blueprint, *second.blueprint);
-  const bool isSlow = isPatient || (second.velocity - first.velocity).norm() > kFast;
+  const bool areClosed = !first.blueprint->topology.isOpen && !second.blueprint->topology.isOpen;
+  const bool isPlanar = first.blueprint->full.planar || second.blueprint->full.planar;
+  const bool isSlow = areClosed || isPlanar || (second.velocity - first.velocity).norm() > kFast;
   const double grown = FindGrown(isSlow, (tangle.ticks + 1) * tick);
   const bool found = FindPulls(view, grown, tick, scratch, pulls);
   tangle.ticks = found ? std::min(tangle.ticks + 1, kMostTangleTicks) : 0;
-  tangle.untilLook = found && grown > 0 ? 0 : isPatient ? kTicksUntilSlowLook : kTicksUntilLook;
+  tangle.untilLook = found && grown > 0 ? 0 : areClosed || isPlanar ? kTicksUntilSlowLook : kTicksUntilLook;
 }
 
 template void Untangle<float>(const TangledSkin<float>&, const TangledSkin<float>&, const Vector3d&, double,

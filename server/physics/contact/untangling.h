@@ -52,11 +52,6 @@ struct Tangle {
 inline constexpr int kMostTangleTicks = 1 << 20;
 inline constexpr int kMostTicksUntilLook = 29;
 
-// Tangle::untilLook of a pair that was not known in the last tick. Pairs without contacts are forgotten after each
-// tick; those that have time to look (two closed bodies, and planar ones) take turns. turn: any number, more by one
-// each tick.
-[[nodiscard]] int FindFirstLook(const Blueprint& first, const Blueprint& second, std::uint32_t turn);
-
 // A body whose skin may be in another's: one with faces.
 template <class Real>
 struct TangledSkin {
@@ -74,7 +69,6 @@ struct UntanglingScratch {
     std::uint16_t face = 0;
     std::uint8_t body = 0;  // 0 or 1
   };
-  std::vector<std::uint8_t> beside;  // bits, by vertex of one body
   std::vector<Triangle> near;
   std::array<std::vector<Vector3d>, 2> forces;  // by vertex of the first and the second body, N
 };
