@@ -44,12 +44,34 @@ TEST(Sheets, HoldWhatIsShotAtThem) {
   }
 }
 
-// A roof of two faces over the y axis: its ridge is at z = 0, its eaves at z = -1.
+// Two faces over the y axis, which rise by `slope` from z = 0: a roof with its eaves at z = -1, or a valley.
 struct Roof {
-  std::vector<Vector3d> x{{0, -1, 0}, {0, 1, 0}, {1, 0, -1}, {-1, 0, -1}};
+  std::vector<Vector3d> x;
   std::vector<Face> faces{{0, 2, 1}, {0, 1, 3}};
-  Topology topology = MakeTopology(faces, x.size());
+  Topology topology = MakeTopology(faces, 4);
+
+  explicit Roof(double slope = -1) : x{{0, -1, 0}, {0, 1, 0}, {1, 0, slope}, {-1, 0, slope}} {}
 };
+
+// Moves the contact's vertex to p, at rest, beside a roof whose skin has a gap; returns whether a force acts.
+bool UpdateAt(const Roof& roof, double gap, const Vector3d& p, BodyContact<double>& contact) {
+  const std::vector<Vector3d> still(4, Vector3d::Zero());
+  const std::vector<double> shares{1};
+  const std::vector<Vector3d> x{p};
+  Material material;
+  material.stiffness = 1000;
+  const Meeting<double> meeting{
+      .x = x,
+      .v = std::span<const Vector3d>(still).first(1),
+      .shares = shares,
+      .skin = {.faces = roof.faces, .topology = &roof.topology, .x = std::span<const Vector3d>(roof.x), .offset = gap},
+      .skinV = std::span<const Vector3d>(still)};
+  const ContactParameters<double> parameters = MakeContactParameters(material, 1, 0.5);
+  UpdateBodyContacts<double>(parameters, meeting, 1e-3, {&contact, 1});
+  ContactForce<double> force;
+  ComputeBodyContacts<double>(parameters, meeting, {&contact, 1}, {&force, 1});
+  return force.acts;
+}
 
 // From below, the vertex has come out above the ridge, where it is straight below no face.
 TEST(Sheets, PullBackToTheRidgeSteadily) {
@@ -82,35 +104,21 @@ TEST(Sheets, PushPastABorderByTheDistanceFromIt) {
   }
 }
 
-// A valley along the y axis whose sides rise by `slope`, and a vertex that a gap keeps off it.
+// A vertex that a gap keeps off a valley.
 struct Valley {
-  std::vector<Vector3d> x;
-  std::vector<Face> faces{{0, 2, 1}, {0, 1, 3}};
-  Topology topology = MakeTopology(faces, 4);
-  std::vector<Vector3d> vertex{Vector3d::Zero()};
-  std::vector<Vector3d> still = std::vector<Vector3d>(4, Vector3d::Zero());
-  std::vector<double> shares{1};
+  Roof sides;
+  Vector3d p = Vector3d::Zero();
   BodyContact<double> contact{.phase = ContactPhase::kTouching, .maxDepth = 0.011, .depth = 0.001};
   static constexpr double kOffset = 0.03;
 
-  explicit Valley(double slope) : x{{0, -1, 0}, {0, 1, 0}, {1, 0, slope}, {-1, 0, slope}} {}
-
-  [[nodiscard]] Skin<double> View() const {
-    return {.faces = faces, .topology = &topology, .x = std::span<const Vector3d>(x), .offset = kOffset};
+  [[nodiscard]] FacePoint<double> See(std::uint16_t face) const {
+    return FindFacePoint<double>(
+        {.faces = sides.faces, .topology = &sides.topology, .x = std::span<const Vector3d>(sides.x)}, face, p);
   }
   // Puts the vertex's foot `beyond` m past the edge, `height` m above the plane of face 0.
   void MoveTo(double beyond, double height) {
-    const FacePoint<double> side = FindFacePoint(View(), 0, vertex[0]);
-    const Vector3d up = (x[2] - Vector3d::Zero()).normalized();
-    vertex[0] = height * side.normal - beyond * up;
-    Material material;
-    material.stiffness = 1000;
-    const Meeting<double> meeting{.x = vertex,
-                                  .v = std::span<const Vector3d>(still).first(1),
-                                  .shares = shares,
-                                  .skin = View(),
-                                  .skinV = std::span<const Vector3d>(still)};
-    UpdateBodyContacts<double>(MakeContactParameters(material, 1, 0.5), meeting, 1e-3, {&contact, 1});
+    p = height * See(0).normal - beyond * sides.x[2].normalized();
+    UpdateAt(sides, kOffset, p, contact);
   }
 };
 
@@ -118,7 +126,7 @@ struct Valley {
 // energy enough to throw both. Below the other side's plane the vertex is pushed all the same.
 TEST(Sheets, PushOutOfAValleyWhatHasComeIntoIt) {
   for (const double slope : {0.6, 0.8}) {
-    Valley valley(slope);
+    Valley valley{.sides = Roof(slope)};
     valley.MoveTo(-0.001, 0.029);
     ASSERT_EQ(valley.contact.face, 0) << slope;
     ASSERT_NEAR(valley.contact.depth, 0.001, 1e-9);
@@ -127,7 +135,7 @@ TEST(Sheets, PushOutOfAValleyWhatHasComeIntoIt) {
     EXPECT_GT(valley.contact.leap, 0.008) << slope;
     EXPECT_LT(valley.contact.depth, 0.0011) << slope;
     for (int i = 1; i <= 50; ++i) valley.MoveTo(0.001 * i, 0.029);
-    const double below = -FindFacePoint(valley.View(), 1, valley.vertex[0]).distance - Valley::kOffset;
+    const double below = -valley.See(1).distance;
     ASSERT_GT(below, 0.001);
     EXPECT_GE(valley.contact.depth, below - 1e-9) << slope;
   }
@@ -137,32 +145,13 @@ TEST(Sheets, PushOutOfAValleyWhatHasComeIntoIt) {
 // passed it.
 struct TurnedLayer {
   Roof roof;
-  std::vector<Vector3d> x{Vector3d::Zero()};
-  std::vector<Vector3d> still = std::vector<Vector3d>(4, Vector3d::Zero());
-  std::vector<double> shares{1};
   BodyContact<double> contact{.phase = ContactPhase::kTouching, .maxDepth = 0.013, .depth = 0.003};
+  bool acts = false;
   static constexpr double kOffset = 0.007;
 
   void MoveTo(double below) {
-    const Vector3d middle(0.5, 0, -0.5);
-    x[0] = middle - below * Vector3d(1, 0, 1).normalized();
-    Material material;
-    material.stiffness = 1000;
-    const Meeting<double> meeting{.x = x,
-                                  .v = std::span<const Vector3d>(still).first(1),
-                                  .shares = shares,
-                                  .skin = {.faces = roof.faces,
-                                           .topology = &roof.topology,
-                                           .x = std::span<const Vector3d>(roof.x),
-                                           .offset = kOffset},
-                                  .skinV = std::span<const Vector3d>(still)};
-    const ContactParameters<double> parameters = MakeContactParameters(material, 1, 0.5);
-    UpdateBodyContacts<double>(parameters, meeting, 1e-3, {&contact, 1});
-    ContactForce<double> force;
-    ComputeBodyContacts<double>(parameters, meeting, {&contact, 1}, {&force, 1});
-    acts = force.acts;
+    acts = UpdateAt(roof, kOffset, Vector3d(0.5, 0, -0.5) - below * Vector3d(1, 0, 1).normalized(), contact);
   }
-  bool acts = false;
 };
 
 // The spring between would be of up to two offsets, and nobody has pressed it: neither as the vertex comes nearer, nor
