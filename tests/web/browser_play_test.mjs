@@ -178,7 +178,8 @@ test('with 100 ms of round trip the own body answers a key within 50 ms and a fr
   assert.equal(await isPressed(), 'false');
   await waitForStandstill(page, body);
   const late = await measureAnswer(page, body, 'Space');
-  assert.ok(late.ms > 130, `without it ${late.ms} ms`);
+  // The way there and back: what is certain. Snapshots and frames add about 50 ms, but once, beside a build, 6.
+  assert.ok(late.ms > 100, `without it ${late.ms} ms`);
   await page.tab.reload();
   await waitForPlaying(page.tab);
   await page.tab.keyboard.press('KeyV');
@@ -285,7 +286,10 @@ test('what one builds is there for everybody, and so is slow motion', () =>
       const workshop = (await probe(view, 'bodies')).find((each) => each.body === body);
       return `${workshop.vertices - vertices} particles, ${workshop.edges - edges} springs`;
     };
+    // The view goes along with the own body's fall, and the panel covers floor: a place is where it was when both are done.
+    await waitForRest(page, (await findOwn(page)).body, 0.5);
     await page.tab.getByRole('button', { name: /^Build/ }).click();
+    await page.tab.getByRole('region', { name: 'Build' }).waitFor();
     for (const [name, result] of [['first', '1 particles, 0 springs'], ['second', '2 particles, 1 springs']]) {
       const place = await findFreeFloor(page, body);
       await page.tab.mouse.click(place.x, place.y);
