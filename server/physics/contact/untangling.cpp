@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 namespace wobble::physics {
@@ -45,13 +46,15 @@ class View {
     return body == 0 ? local : Vector3d(local + m_shift);
   }
 
-  // Fills in the faces of both bodies that reach into the box that both have in common, by their low end along x.
-  void ListNear(std::vector<Triangle>& near) const {
-    near.clear();
+  // Fills in the faces of both bodies that reach into what both have in common, by their low end along x.
+  void ListNear(UntanglingScratch& scratch) const {
+    scratch.near.clear();
     const Eigen::AlignedBox3d common = BoxOf(0).intersection(BoxOf(1));
     if (common.isEmpty()) return;
-    for (std::uint8_t body = 0; body < (m_isSelf ? 1 : 2); ++body) AddNear(body, common, near);
-    std::ranges::sort(near, [](const Triangle& a, const Triangle& b) {
+    const Slab slab = FindSlab();
+    if (slab.high < slab.low) return;
+    for (std::uint8_t body = 0; body < (m_isSelf ? 1 : 2); ++body) AddNear(body, common, slab, scratch);
+    std::ranges::sort(scratch.near, [](const Triangle& a, const Triangle& b) {
       const double lowA = a.box.min().x();
       const double lowB = b.box.min().x();
       if (lowA != lowB) return lowA < lowB;
@@ -68,23 +71,62 @@ class View {
             Vector3d(bounds.high.template cast<double>() + ShiftOf(body))};
   }
 
-  // Most faces of two bodies that touch are on one side of the common box: those cost some comparisons.
-  void AddNear(std::uint8_t body, const Eigen::AlignedBox3d& common, std::vector<Triangle>& near) const {
+  // Between the second body's lowest and the first one's highest vertex along the line from one's middle to the
+  // other's, and of no thickness but without end for a body with itself. Two balls that press one another have a thin
+  // slab in common, but, where that line is oblique, a large box.
+  struct Slab {
+    Vector3<Real> along;
+    Real low, high;
+  };
+
+  // x: local coordinates of the body.
+  [[nodiscard]] Real FindHeight(std::uint8_t body, const Vector3<Real>& along, const Vector3<Real>& x) const {
+    return x.dot(along) + ShiftOf(body).template cast<Real>().dot(along);
+  }
+
+  [[nodiscard]] Slab FindSlab() const {
+    const Vector3d way = BoxOf(1).center() - BoxOf(0).center();
+    Slab slab{.along = way.template cast<Real>(),
+              .low = std::numeric_limits<Real>::infinity(),
+              .high = -std::numeric_limits<Real>::infinity()};
+    for (const Vector3<Real>& x : m_skins[0]->x) slab.high = std::max(slab.high, FindHeight(0, slab.along, x));
+    for (const Vector3<Real>& x : m_skins[1]->x) slab.low = std::min(slab.low, FindHeight(1, slab.along, x));
+    return slab;
+  }
+
+  [[nodiscard]] Triangle MakeTriangle(std::uint8_t body, std::size_t face) const {
+    const auto& [a, b, c] = BlueprintOf(body).full.faces[face];
+    Triangle triangle{.box = {},
+                      .corners = {At(body, a), At(body, b), At(body, c)},
+                      .doubleArea = {},
+                      .face = static_cast<std::uint16_t>(face),
+                      .body = body};
+    for (const Vector3d& corner : triangle.corners) triangle.box.extend(corner);
+    const auto& [x, y, z] = triangle.corners;
+    triangle.doubleArea = (y - x).cross(z - x);
+    return triangle;
+  }
+
+  // Most faces of two bodies that touch are on one side of the box or of the slab: those cost some comparisons.
+  void AddNear(std::uint8_t body, const Eigen::AlignedBox3d& common, const Slab& slab,
+               UntanglingScratch& scratch) const {
     const std::span<const Vector3<Real>> x = m_skins[body]->x;
-    const std::span<const Face> faces = BlueprintOf(body).full.faces;
     const Vector3<Real> low = (common.min() - ShiftOf(body)).template cast<Real>();
     const Vector3<Real> high = (common.max() - ShiftOf(body)).template cast<Real>();
+    scratch.beside.resize(x.size());
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const Real height = FindHeight(body, slab.along, x[i]);
+      unsigned sides = (height < slab.low ? 1U : 0U) | (height > slab.high ? 2U : 0U);
+      for (int axis = 0; axis < 3; ++axis) {
+        sides |= (x[i][axis] < low[axis] ? 4U : 0U) << 2 * axis | (x[i][axis] > high[axis] ? 8U : 0U) << 2 * axis;
+      }
+      scratch.beside[i] = static_cast<std::uint8_t>(sides);
+    }
+    const std::span<const Face> faces = BlueprintOf(body).full.faces;
     for (std::size_t i = 0; i < faces.size(); ++i) {
       const auto& [a, b, c] = faces[i];
-      bool isBeside = false;
-      for (int axis = 0; axis < 3; ++axis) {
-        isBeside |= std::min({x[a][axis], x[b][axis], x[c][axis]}) > high[axis];
-        isBeside |= std::max({x[a][axis], x[b][axis], x[c][axis]}) < low[axis];
-      }
-      if (isBeside) continue;
-      Triangle triangle{.box = {}, .face = static_cast<std::uint16_t>(i), .body = body};
-      for (const std::uint16_t corner : faces[i]) triangle.box.extend(At(body, corner));
-      near.push_back(triangle);
+      if ((scratch.beside[a] & scratch.beside[b] & scratch.beside[c]) != 0) continue;
+      scratch.near.push_back(MakeTriangle(body, i));
     }
   }
 
@@ -101,22 +143,21 @@ struct Corner {
   Vector3d normal = Vector3d::Zero();   // of the face, a unit
 };
 
-std::optional<Corner> FindCorner(const Vector3d& begin, const Vector3d& end, const std::array<Vector3d, 3>& face) {
-  const Vector3d doubleArea = (face[1] - face[0]).cross(face[2] - face[0]);
-  const double over = (begin - face[0]).dot(doubleArea);
-  const double under = (end - face[0]).dot(doubleArea);
-  if ((over > 0) == (under > 0)) return std::nullopt;
+// over, under: (begin − face.corners[0])·face.doubleArea, and that of `end`, of different signs.
+std::optional<Corner> FindCorner(const Vector3d& begin, double over, const Vector3d& end, double under,
+                                 const Triangle& face) {
+  const auto& [a, b, c] = face.corners;
   Corner corner;
   corner.along = over / (over - under);
   const Vector3d at = begin + corner.along * (end - begin);
-  const double square = doubleArea.squaredNorm();
+  const double square = face.doubleArea.squaredNorm();
   if (!(square > 0)) return std::nullopt;
-  corner.weights[0] = (face[2] - face[1]).cross(at - face[1]).dot(doubleArea) / square;
-  corner.weights[1] = (face[0] - face[2]).cross(at - face[2]).dot(doubleArea) / square;
+  corner.weights[0] = (c - b).cross(at - b).dot(face.doubleArea) / square;
+  corner.weights[1] = (a - c).cross(at - c).dot(face.doubleArea) / square;
   corner.weights[2] = 1 - corner.weights[0] - corner.weights[1];
   if (!(corner.weights.minCoeff() >= 0)) return std::nullopt;
   corner.side = (end - begin).normalized();
-  corner.normal = doubleArea / std::sqrt(square);
+  corner.normal = face.doubleArea / std::sqrt(square);
   return corner;
 }
 
@@ -135,25 +176,30 @@ Vector3d FindContour(const Corner& corner, const Vector3d& toWing) {
 template <class Real>
 bool AddForcesOfSides(const View<Real>& view, const Triangle& a, const Triangle& b, double tension,
                       std::array<std::vector<Vector3d>, 2>& forces) {
+  const std::array<Vector3d, 3>& own = a.corners;
+  std::array<double, 3> over{};
+  for (std::size_t i = 0; i < 3; ++i) over[i] = (own[i] - b.corners[0]).dot(b.doubleArea);
+  if ((over[0] > 0) == (over[1] > 0) && (over[0] > 0) == (over[2] > 0)) return false;
   const Topology& topology = view.BlueprintOf(a.body).topology;
   const Face& ofSides = view.FaceOf(a);
   const Face& other = view.FaceOf(b);
   bool found = false;
   for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t from = (i + 1) % 3;
+    const std::size_t to = (i + 2) % 3;
+    if ((over[from] > 0) == (over[to] > 0)) continue;
     const std::uint16_t neighbour = topology.neighbours[a.face][i];
     if (neighbour != kNoFace && neighbour < a.face) continue;
-    const std::uint16_t begin = ofSides[(i + 1) % 3];
-    const std::uint16_t end = ofSides[(i + 2) % 3];
+    const std::uint16_t begin = ofSides[from];
+    const std::uint16_t end = ofSides[to];
     const auto isItsCorner = [&](std::uint16_t vertex) { return std::ranges::find(other, vertex) != other.end(); };
     if (view.IsSelf() && (isItsCorner(begin) || isItsCorner(end))) continue;
-    const Vector3d from = view.At(a.body, begin);
-    const std::array<Vector3d, 3> face{view.At(b.body, other[0]), view.At(b.body, other[1]), view.At(b.body, other[2])};
-    const std::optional<Corner> corner = FindCorner(from, view.At(a.body, end), face);
+    const std::optional<Corner> corner = FindCorner(own[from], over[from], own[to], over[to], b);
     if (!corner) continue;
     found = true;
     if (!(tension > 0)) continue;
-    Vector3d contour = FindContour(*corner, view.At(a.body, ofSides[i]) - from);
-    if (neighbour != kNoFace) contour += FindContour(*corner, view.At(a.body, topology.across[a.face][i]) - from);
+    Vector3d contour = FindContour(*corner, own[i] - own[from]);
+    if (neighbour != kNoFace) contour += FindContour(*corner, view.At(a.body, topology.across[a.face][i]) - own[from]);
     const double leverage = contour.dot(corner->side) / corner->side.dot(corner->normal);
     const double bounded = std::max(-kMostLeverage, std::min(kMostLeverage, leverage));  // finite for 0/0 as well
     const Vector3d onFace = tension * bounded * corner->normal;
@@ -189,7 +235,7 @@ double FindGrown(bool isSlow, double time) {
 // Whether they intersect, and where the tension has begun to grow, the forces.
 template <class Real>
 bool FindPulls(const View<Real>& view, double grown, double tick, UntanglingScratch& scratch, Pulls<Real>& pulls) {
-  view.ListNear(scratch.near);
+  view.ListNear(scratch);
   if (scratch.near.empty()) return false;
   double tension = 0;
   if (grown > 0) {

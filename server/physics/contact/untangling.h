@@ -66,9 +66,12 @@ struct TangledSkin {
 struct UntanglingScratch {
   struct Triangle {
     Eigen::AlignedBox3d box;
+    std::array<Vector3d, 3> corners;  // m, in the coordinates of the first body
+    Vector3d doubleArea;              // m², along the normal
     std::uint16_t face = 0;
     std::uint8_t body = 0;  // 0 or 1
   };
+  std::vector<std::uint8_t> beside;  // by vertex of a body: a bit for each bound that it is beyond
   std::vector<Triangle> near;
   std::array<std::vector<Vector3d>, 2> forces;  // by vertex of the first and the second body, N
 };
