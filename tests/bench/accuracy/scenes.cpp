@@ -91,8 +91,7 @@ std::unique_ptr<World> MakeTwin(const World& world, int ticks, int substeps) {
 void PlayTwin(World& twin, int ticks) {
   for (int tick = 0; tick < kTicksASecond; ++tick) {
     for (int part = 0; part < ticks; ++part) (void)twin.Step();
-    // SetMotion also wakes a body.
-    for (const Body& body : twin.Bodies()) twin.SetMotion(body.id, ReadPositions(body), ReadVelocities(body));
+    KeepAwake(twin);
   }
 }
 

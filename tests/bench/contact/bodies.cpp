@@ -1,5 +1,6 @@
 #include "tests/bench/contact/bodies.h"
 
+#include <array>
 #include <cmath>
 
 #include "server/physics/contact/contact.h"
@@ -93,6 +94,11 @@ std::vector<Vector3d> ReadVelocities(const Body& body) {
       },
       body.state);
   return velocities;
+}
+
+void KeepAwake(World& world) {
+  const std::array<VertexForce<double>, 1> nothing{{{.vertex = 0, .force = Vector3d::Zero()}}};
+  for (const Body& body : world.Bodies()) world.PushVertices(body.id, nothing);
 }
 
 Vector3d FindVelocity(const World& world, const Body& body) {

@@ -78,10 +78,7 @@ TouchingSecond PlayTouching(World& world, bool keepAwake) {
       if (!bodies[i].asleep) second.estimates[i] += bodies[i].steps.Error();
       if (TouchesAnything(bodies[i])) second.touches[i] = 1;
     }
-    // SetMotion also wakes a body.
-    for (std::size_t i = 0; keepAwake && i < bodies.size(); ++i) {
-      world.SetMotion(bodies[i].id, ReadPositions(bodies[i]), ReadVelocities(bodies[i]));
-    }
+    if (keepAwake) KeepAwake(world);
   }
   for (const Body& body : bodies) second.ends.push_back(ReadPositions(body));
   return second;
