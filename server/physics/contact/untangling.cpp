@@ -14,9 +14,10 @@ using Triangle = UntanglingScratch::Triangle;
 constexpr int kTicksUntilLook = 3;
 constexpr int kTicksUntilSlowLook = kMostTicksUntilLook;
 constexpr double kGrowTime = 0.1;          // s
-constexpr double kSlowDelay = 1;           // s, of two closed bodies, planar or fast ones
+constexpr double kSlowDelay = 1;           // s, of pairs that are left to their contacts
 constexpr double kSlowGrowTime = 4;        // s
-constexpr double kFast = 10;               // of bodies against one another, m/s
+constexpr double kHard = 5;                // of bodies against one another, m/s
+constexpr double kFast = 10;               // the same
 constexpr double kFrequency = 30;          // ω, rad/s
 constexpr double kMostAcceleration = 150;  // of a vertex with one passage, m/s²
 constexpr double kCalm = 10;               // u₀, m/s
@@ -71,15 +72,16 @@ class View {
             Vector3d(bounds.high.template cast<double>() + ShiftOf(body))};
   }
 
-  // Between the second body's lowest and the first one's highest vertex along the line from one's middle to the
-  // other's, and of no thickness but without end for a body with itself. Two balls that press one another have a thin
-  // slab in common, but, where that line is oblique, a large box.
+  // The slab between the second body's lowest and the first one's highest vertex along the line from the middle of the
+  // first to that of the second. What the skins have in common is in it. Of two balls that press one another it is
+  // thin, while their boxes have much in common where the line is oblique. A body has no such line to itself: there
+  // all heights are 0, and the slab holds everything.
   struct Slab {
-    Vector3<Real> along;
-    Real low, high;
+    Vector3<Real> along;  // m
+    Real low, high;       // m²: heights times the length of `along`
   };
 
-  // x: local coordinates of the body.
+  // Along the line, in the coordinates of the first body, m². x: in the body's own.
   [[nodiscard]] Real FindHeight(std::uint8_t body, const Vector3<Real>& along, const Vector3<Real>& x) const {
     return x.dot(along) + ShiftOf(body).template cast<Real>().dot(along);
   }
@@ -227,6 +229,21 @@ void Append(const std::vector<Vector3d>& forces, bool isPlanar, std::vector<Vert
   }
 }
 
+// Two closed bodies, and planar ones.
+template <class Real>
+bool KnowTheirSides(const TangledSkin<Real>& first, const TangledSkin<Real>& second) {
+  const bool areClosed = !first.blueprint->topology.isOpen && !second.blueprint->topology.isOpen;
+  return areClosed || first.blueprint->full.planar || second.blueprint->full.planar;
+}
+
+// Whether the tension waits for kSlowDelay and grows slowly.
+template <class Real>
+bool AreLeftToContacts(const TangledSkin<Real>& first, const TangledSkin<Real>& second) {
+  const double speed = (second.velocity - first.velocity).norm();
+  const bool isOneClosed = first.blueprint->topology.isOpen != second.blueprint->topology.isOpen;
+  return KnowTheirSides(first, second) || speed > kFast || (isOneClosed && speed < kHard);
+}
+
 // A share of the full tension; time: for which the skins have been in one another, s.
 double FindGrown(bool isSlow, double time) {
   return std::clamp(isSlow ? (time - kSlowDelay) / kSlowGrowTime : time / kGrowTime, 0.0, 1.0);
@@ -276,13 +293,11 @@ void Untangle(const TangledSkin<Real>& first, const TangledSkin<Real>& second, c
     return;
   }
   const View<Real> view(first, second, shift);
-  const bool areClosed = !first.blueprint->topology.isOpen && !second.blueprint->topology.isOpen;
-  const bool isPlanar = first.blueprint->full.planar || second.blueprint->full.planar;
-  const bool isSlow = areClosed || isPlanar || (second.velocity - first.velocity).norm() > kFast;
-  const double grown = FindGrown(isSlow, (tangle.ticks + 1) * tick);
+  const double grown = FindGrown(AreLeftToContacts(first, second), (tangle.ticks + 1) * tick);
   const bool found = FindPulls(view, grown, tick, scratch, pulls);
   tangle.ticks = found ? std::min(tangle.ticks + 1, kMostTangleTicks) : 0;
-  tangle.untilLook = found && grown > 0 ? 0 : areClosed || isPlanar ? kTicksUntilSlowLook : kTicksUntilLook;
+  const int pause = KnowTheirSides(first, second) ? kTicksUntilSlowLook : kTicksUntilLook;
+  tangle.untilLook = found && grown > 0 ? 0 : pause;
 }
 
 template void Untangle<float>(const TangledSkin<float>&, const TangledSkin<float>&, const Vector3d&, double,

@@ -84,6 +84,7 @@ class Untangling : public testing::Test {
     return {.blueprint = &side.blueprint,
             .x = side.x,
             .bounds = MakeSurvey<double>(side.blueprint.full.masses, side.x, side.x).bounds,
+            .velocity = &side == &first ? Vector3d(0, 0, approach) : Vector3d::Zero(),
             .agitation = agitation};
   }
   void Look() { Untangle<double>(See(first), See(second), shift, kUntanglingTick, scratch, tangle, pulls); }
@@ -108,6 +109,7 @@ class Untangling : public testing::Test {
   Side first;
   Side second;
   Vector3d shift{0.03, -0.02, 0.15};
+  double approach = 6;   // m/s; the tension acts at once
   double agitation = 0;  // m/s
   UntanglingScratch scratch;
   Tangle tangle;
@@ -188,6 +190,25 @@ TEST_F(Untangling, WaitsForASecondWithTwoClosedBodies) {
   Look();
   EXPECT_TRUE(pulls[0].empty() && pulls[1].empty());
   EXPECT_EQ(tangle.ticks, 0);
+}
+
+// What has met softly, and what is so fast that it may be nearly through, is left to contacts.
+TEST_F(Untangling, WaitsWhereABodyMeetsASheetSoftlyOrFast) {
+  Set(first, MakeSoftBall(1), 0.02);
+  Set(second, MakeSheet(6), 0.02);
+  for (const double speed : {0.0, 4.9, 10.1}) {
+    approach = speed;
+    tangle = {};
+    int waited = 0;
+    do Look();
+    while (pulls[0].empty() && ++waited < 300);
+    EXPECT_GE(waited, 60) << speed;
+    EXPECT_LE(waited, 66) << speed;
+  }
+  approach = 5.1;
+  tangle = {};
+  Look();
+  EXPECT_FALSE(pulls[0].empty());
 }
 
 // In a world without gravity; for how long their contour is still longer than 0 by the end of each tick, s.
