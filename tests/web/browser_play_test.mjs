@@ -157,6 +157,16 @@ async function measureAnswer(page, body, key) {
   return answer;
 }
 
+// The answers to jumps, after which a body is soon at rest: three, or fewer once one is as wanted.
+async function measureJumps(page, body, isWanted) {
+  const answers = [];
+  while (answers.length < 3 && !answers.some(isWanted)) {
+    await waitForStandstill(page, body);
+    answers.push(await measureAnswer(page, body, 'Space'));
+  }
+  return answers;
+}
+
 test('with 100 ms of round trip the own body answers a key within 50 ms and a frame', async () => {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'wobble-answer-'));
   // Players who come to rest at once: as shipped they bounce for a quarter of a minute after each jump.
@@ -164,22 +174,16 @@ test('with 100 ms of round trip the own body answers a key within 50 ms and a fr
   const page = await joinPage(browser, world.host, { query: 'quality=5', viewport: tinyScreen, wait: 0 });
   const { body } = await findOwn(page);
   const isPressed = () => page.tab.getByRole('button', { name: 'Show your own body at once' }).getAttribute('aria-pressed');
-  // Jumps, after which a body is soon at rest. The best of three: the browser renders in software, on cores that others use.
-  const answers = [];
-  for (let attempt = 0; attempt < 3; ++attempt) {
-    await waitForStandstill(page, body);
-    answers.push(await measureAnswer(page, body, 'Space'));
-    if (answers.at(-1).ms < 50 + answers.at(-1).frame) break;
-  }
+  // The best of three: the browser renders in software, on cores that others use.
+  const answers = await measureJumps(page, body, ({ ms, frame }) => ms < 50 + frame);
   assert.ok(answers.some(({ ms, frame }) => ms < 50 + frame), JSON.stringify(answers));
   await page.tab.keyboard.press('KeyV');
   assert.equal(await isPressed(), 'true');
   await page.tab.getByRole('button', { name: 'Show your own body at once' }).click();
   assert.equal(await isPressed(), 'false');
-  await waitForStandstill(page, body);
-  const late = await measureAnswer(page, body, 'Space');
-  // The way there and back: what is certain. Snapshots and frames add about 50 ms, but once, beside a build, 6.
-  assert.ok(late.ms > 100, `without it ${late.ms} ms`);
+  // The way there and back takes 100 ms at least. Snapshots and frames add about 50, but once, beside a build, 6.
+  const late = await measureJumps(page, body, ({ ms }) => ms > 130);
+  assert.ok(late.every(({ ms }) => ms > 100) && late.some(({ ms }) => ms > 130), `without it ${JSON.stringify(late)}`);
   await page.tab.reload();
   await waitForPlaying(page.tab);
   await page.tab.keyboard.press('KeyV');
