@@ -12,8 +12,9 @@ play:
 
 test:
 	@sh docker/packages.sh server web test python lab
-	@cmake --workflow --preset asan
-	@cmake --workflow --preset release
+	@rm -f build/asan/Testing/tests.xml build/release/Testing/tests.xml
+	@cmake --workflow --preset asan || python3 tests/failed.py build/asan
+	@cmake --workflow --preset release || python3 tests/failed.py build/release
 	@python3 tests/slowest.py build/asan build/release
 
 nightly:
