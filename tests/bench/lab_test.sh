@@ -103,7 +103,7 @@ expect_recording() {
 case_recorded_trial() {
   expect_exit 0 stability --trial 12 --recordings "$folder/recordings" --json "$folder/a.json"
   expect_recording "$folder/a.json"
-  expect_exit 0 stability --trial 36 --beyond --recordings "$folder/recordings" --json "$folder/a.json"
+  expect_exit 0 stability --trial 36 --recordings "$folder/recordings" --json "$folder/a.json"
   expect_recording "$folder/a.json"
   expect_exit 0 capacity --quick --players 2 --recordings "$folder/recordings" --json "$folder/a.json"
   "${lab%/*}/wobbled" --replay "$folder/recordings/worst-of-2.wobrec" --verify >"$out" 2>"$err" ||

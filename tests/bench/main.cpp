@@ -36,7 +36,7 @@ constexpr Report kReports[] = {
      .hasTrials = true,
      .run = &ReportStability,
      .hasRecordings = true,
-     .hasBeyond = true},
+     .hasDepth = true},
     {.name = "contact",
      .shows = "Bounce height, friction angle, momentum, tunnelling, stacks",
      .hasTrials = true,
@@ -99,14 +99,12 @@ CLI::App* AddReport(CLI::App& app, const Report& report, Options& options) {
     words->add_option("--trial", options.trial, "Play only this random trial, numbered as in a report")
         ->check(command::Within(0, kMaxTrial));
   }
-  if (report.hasBeyond) {
+  if (report.hasDepth) {
     words
         ->add_option("--depth", options.depth,
                      "A random trial fails, too, when a vertex is deeper in another body or the ground than this share "
                      "of its body's size")
         ->check(command::Within(0, 10));
-    words->add_flag("--beyond", options.beyond,
-                    "--trial is of the trials in which bodies meet more than they can bear");
   }
   if (report.hasPlayers) {
     words->add_option("--scene", options.scene, "Scene of the players: a shipped scene, or a path to a .toml file")

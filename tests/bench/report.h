@@ -27,7 +27,6 @@ struct Options {
   std::optional<double> depth;         // a random trial fails, too, where a vertex is deeper, share of its body's size
   std::string part;                    // only parts with this in their names; empty: all
   std::optional<std::uint32_t> trial;  // only this random trial
-  bool beyond = false;                 // it is one in which bodies meet more than they can bear
   std::string scene = kCapacityScene;  // of `capacity`: a shipped scene or a file
   std::string script = kCapacityScript;  // of the bots of `capacity`: a shipped script or a file
   std::optional<unsigned> players;       // of `capacity`: only this player count
@@ -63,7 +62,7 @@ struct Report {
   void (*run)(Bench& bench);
   bool hasPlayers = false;     // takes --scene, --script and --players
   bool hasRecordings = false;  // takes --recordings
-  bool hasBeyond = false;      // takes --beyond
+  bool hasDepth = false;       // takes --depth
 };
 
 // One function per report, each in the file of its name.

@@ -118,16 +118,23 @@ test('a finger on the stick moves the body', () =>
     await touch('touchEnd');
   }, { viewport: { width: 390, height: 780 }, hasTouch: true, isMobile: true }));
 
-// Waits until a body has neither rolled nor wobbled for most of a second.
+// Waits until a body on the floor of arena has neither rolled nor wobbled for half a second and ten frames: a page that
+// other programs hold up shows a body in the air at one place for longer.
 async function waitForStandstill(page, body) {
-  const places = [];
-  await waitFor('a standstill', async () => {
-    places.push(await probe(page, 'position', body));
-    await sleep(100);
-    const { x, y, z } = places.at(-1);
-    const isNear = (place) => Math.hypot(place.x - x, place.y - y, place.z - z) < 0.008;
-    return places.length > 4 && places.slice(-4).every(isNear);
-  });
+  await page.tab.evaluate((body) => new Promise((resolve) => {
+    let from = window.wobble.position(body);
+    let since = performance.now();
+    let frames = 0;
+    const look = () => {
+      const { x, y, z } = window.wobble.position(body);
+      const now = performance.now();
+      if (z > 0.7 || Math.hypot(x - from.x, y - from.y, z - from.z) > 0.008) [from, since, frames] = [{ x, y, z }, now, 0];
+      ++frames;
+      if (now - since > 500 && frames > 10) resolve();
+      else requestAnimationFrame(look);
+    };
+    requestAnimationFrame(look);
+  }), body);
 }
 
 // Milliseconds from the event of a key to the frame that shows the body elsewhere, and those of the longest frame between.

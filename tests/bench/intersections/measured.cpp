@@ -129,7 +129,7 @@ void PlayWatched(std::uint64_t seed, int seconds, WatchedScene& watched) {
 }
 
 Sightings PlayWatchedTrial(std::uint64_t seed, std::uint32_t number, int ticks) {
-  RandomWorld random(seed, number, Violence::kPlay);
+  RandomWorld random(seed, number);
   Watch watch;
   for (int tick = 0; tick < ticks; ++tick) {
     random.Act();

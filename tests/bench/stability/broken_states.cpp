@@ -98,7 +98,7 @@ Blueprint DrawBlueprint(BodyKind kind, Random& random) {
                                           : kind == BodyKind::kSolid   ? make(DraftSolid(random))
                                                                        : make(DraftShell(random));
     if (!body) continue;
-    if (kind == BodyKind::kShell && body->full.gas < FindCarryingGas(body->totalMass, 9.81, body->reach)) continue;
+    if (kind == BodyKind::kShell && body->full.gas < 2 * 9.81 * body->totalMass * body->reach) continue;
     return *body;
   }
 }

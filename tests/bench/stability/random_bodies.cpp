@@ -23,8 +23,6 @@ using namespace physics;
 constexpr double kMostSubsteps = 36;
 constexpr double kDecades = 3;  // of stiffness
 constexpr double kTickHz = 60;
-// Above any speed in the trials, m/s.
-constexpr double kAnySpeed = 1e3;
 
 double DrawDamping(Random& random) { return random.Happens(0.15) ? 0 : random.DrawMagnitude(0.02, 2); }
 
@@ -59,7 +57,6 @@ std::string DescribeShape(const char* kind, std::size_t vertices, const Material
 struct Draft {
   scenes::BlueprintDefinition definition;
   std::string description;
-  double bearableSpeed = kAnySpeed;
 };
 
 // Draws nRT between a hundredth and all of what the springs can hold, sometimes with an external pressure.
@@ -105,7 +102,7 @@ Draft DraftLattice(Random& random, std::size_t vertices) {
   char text[160];
   std::snprintf(text, sizeof text, "lattice of %dx%dx%d cells, %.3g kg/m3, E %.3g Pa, damping %.2g", lattice.cells[0],
                 lattice.cells[1], lattice.cells[2], lattice.density, lattice.youngModulus, lattice.dampingRatio);
-  return {lattice, text, std::sqrt(lattice.youngModulus / lattice.density) / 3};
+  return {lattice, text};
 }
 
 Draft DraftRing(Random& random, std::size_t vertices) {
@@ -265,9 +262,7 @@ Draft DraftAny(Random& random, std::size_t vertices) {
 
 }  // namespace
 
-double FindCarryingGas(double mass, double gravity, double reach) { return 2 * mass * gravity * reach; }
-
-RandomBody DrawBody(Random& random, std::size_t vertices, double gravity) {
+RandomBody DrawBody(Random& random, std::size_t vertices) {
   RandomBody body;
   for (;;) {
     const Draft draft = DraftAny(random, vertices);
@@ -276,14 +271,8 @@ RandomBody DrawBody(Random& random, std::size_t vertices, double gravity) {
       continue;
     }
     body.blueprint = scenes::MakeBlueprint(draft.definition);
-    const double gas = body.blueprint.full.gas;
-    if (gas > 0 && gas < FindCarryingGas(body.blueprint.totalMass, gravity, body.blueprint.reach)) {
-      ++body.crushed;
-      continue;
-    }
     body.definition = draft.definition;
     body.description = draft.description;
-    body.bearableSpeed = draft.bearableSpeed;
     return body;
   }
 }

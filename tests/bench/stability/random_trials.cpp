@@ -22,7 +22,6 @@ using namespace physics;
 
 constexpr int kTicksBetweenLooks = 20;
 constexpr std::size_t kTrials = 10000;
-constexpr std::size_t kTrialsBeyond = 500;
 constexpr std::size_t kQuickTrials = 60;
 constexpr std::size_t kMostRecorded = 20;  // of the trials that fail
 constexpr int kTicksBehind = 120;          // that a recording goes on behind the failure
@@ -31,10 +30,8 @@ struct RandomTrial {
   std::string place;
   std::string stiffestBody;
   std::size_t bodies = 0;
-  double mostSpeed = 0;  // m/s
   double stiffness = 0;  // substeps that the stiffest body needs by itself
   int refused = 0;
-  int crushed = 0;
   std::uint64_t substeps = 0;
   std::uint64_t awake = 0;  // body-ticks
   std::uint32_t nonFinite = 0;
@@ -51,9 +48,7 @@ struct RandomTrial {
 void DescribeWorld(const RandomWorld& random, RandomTrial& trial) {
   trial.place = random.Place();
   trial.bodies = random.Engine().Bodies().size();
-  trial.mostSpeed = random.MostSpeed();
   trial.refused = random.Refused();
-  trial.crushed = random.Crushed();
   std::uint8_t place = 0;
   for (const Blueprint& blueprint : random.Engine().Blueprints()) {
     const double rate = std::max(blueprint.angularFrequency, blueprint.dampingRate);
@@ -79,8 +74,8 @@ void Note(const StepReport& report, const RandomWorld& random, RandomTrial& tria
   trial.failure = report.nonFinite > 0 ? "not finite" : report.reset > 0 ? "reset" : "energy from nowhere";
 }
 
-RandomTrial PlayTrial(const Options& options, std::uint32_t number, Violence violence) {
-  RandomWorld random(options.seed, number, violence);
+RandomTrial PlayTrial(const Options& options, std::uint32_t number) {
+  RandomWorld random(options.seed, number);
   RandomTrial trial;
   DescribeWorld(random, trial);
   bool moved = true;
@@ -124,7 +119,6 @@ nlohmann::ordered_json MakeRow(std::size_t number, const RandomTrial& trial) {
           {"bodies", trial.bodies},
           {"stiffest_body", trial.stiffestBody},
           {"substeps_by_itself", trial.stiffness},
-          {"most_speed", trial.mostSpeed},
           {"body_ticks", trial.awake},
           {"substeps", trial.substeps},
           {"depth", FindDeepest(trial)},
@@ -137,10 +131,10 @@ nlohmann::ordered_json MakeRow(std::size_t number, const RandomTrial& trial) {
           {"recording", trial.recording.file.string()}};
 }
 
-void Record(const Options& options, std::uint32_t number, Violence violence, RandomTrial& trial) {
+void Record(const Options& options, std::uint32_t number, RandomTrial& trial) {
   const int ticks = trial.failedTick > 0 ? std::min(kRandomTicks, trial.failedTick + kTicksBehind) : kRandomTicks;
   trial.recording =
-      RecordTrial(options.seed, number, violence, ticks, options.recordings.empty() ? kRecordings : options.recordings);
+      RecordTrial(options.seed, number, ticks, options.recordings.empty() ? kRecordings : options.recordings);
 }
 
 std::string DescribeRecording(const TrialRecording& recording) {
@@ -149,10 +143,10 @@ std::string DescribeRecording(const TrialRecording& recording) {
   return recording.fault.empty() ? line : line + " (" + recording.fault + ")";
 }
 
-std::string DescribeTrial(std::uint64_t seed, std::size_t number, Violence violence, const RandomTrial& trial) {
+std::string DescribeTrial(std::uint64_t seed, std::size_t number, const RandomTrial& trial) {
   char line[512];
-  std::snprintf(line, sizeof line, "stability --trial %zu%s --seed %llu: ", number,
-                violence == Violence::kBeyond ? " --beyond" : "", static_cast<unsigned long long>(seed));
+  std::snprintf(line, sizeof line, "stability --trial %zu --seed %llu: ", number,
+                static_cast<unsigned long long>(seed));
   const std::string start(line);
   if (trial.failedTick == 0) {
     std::snprintf(line, sizeof line, "%zu bodies, %s, all well; the stiffest a %s; deepest %.3f of its size",
@@ -225,7 +219,6 @@ struct Sums {
   double reset = 0;
   double bodies = 0;
   double refused = 0;
-  double crushed = 0;
   std::vector<float> depths;
 };
 
@@ -240,32 +233,19 @@ Sums AddUp(const std::vector<RandomTrial>& trials) {
     sums.reset += trial.reset;
     sums.bodies += static_cast<double>(trial.bodies);
     sums.refused += trial.refused;
-    sums.crushed += trial.crushed;
     sums.depths.insert(sums.depths.end(), trial.depths.begin(), trial.depths.end());
   }
   return sums;
 }
 
-bool PlayAll(Bench& bench, std::vector<RandomTrial>& trials, std::vector<RandomTrial>& beyond) {
-  return RunTrials(bench, trials.size() + beyond.size(), [&](std::size_t i) {
-    if (i < trials.size()) {
-      trials[i] = PlayTrial(bench.options, static_cast<std::uint32_t>(i), Violence::kPlay);
-    } else {
-      beyond[i - trials.size()] =
-          PlayTrial(bench.options, static_cast<std::uint32_t>(i - trials.size()), Violence::kBeyond);
-    }
-  });
-}
-
 void ReplayOne(Bench& bench) {
   const std::uint32_t number = *bench.options.trial;
-  const Violence violence = bench.options.beyond ? Violence::kBeyond : Violence::kPlay;
-  RandomTrial trial = PlayTrial(bench.options, number, violence);
-  if (trial.failedTick > 0 || !bench.options.recordings.empty()) Record(bench.options, number, violence, trial);
+  RandomTrial trial = PlayTrial(bench.options, number);
+  if (trial.failedTick > 0 || !bench.options.recordings.empty()) Record(bench.options, number, trial);
   bench.results.rows.push_back(MakeRow(number, trial));
-  bench.results.remarks.push_back(DescribeTrial(bench.options.seed, number, violence, trial));
-  bench.results.AddFigureAtMost("reset", trial.reset, 0, violence == Violence::kPlay);
-  bench.results.AddFigureAtMost("quarantined", trial.quarantined, 0, violence == Violence::kPlay);
+  bench.results.remarks.push_back(DescribeTrial(bench.options.seed, number, trial));
+  bench.results.AddFigureAtMost("reset", trial.reset, 0);
+  bench.results.AddFigureAtMost("quarantined", trial.quarantined, 0);
 }
 
 }  // namespace
@@ -273,22 +253,22 @@ void ReplayOne(Bench& bench) {
 void MeasureRandomTrials(Bench& bench) {
   if (bench.options.trial) return ReplayOne(bench);
   std::vector<RandomTrial> trials(bench.options.quick ? kQuickTrials : kTrials);
-  std::vector<RandomTrial> beyond(bench.options.quick ? 0 : kTrialsBeyond);
-  if (!PlayAll(bench, trials, beyond)) return;
+  const bool done = RunTrials(bench, trials.size(), [&](std::size_t i) {
+    trials[i] = PlayTrial(bench.options, static_cast<std::uint32_t>(i));
+  });
+  if (!done) return;
   Results& results = bench.results;
   std::size_t recorded = 0;
   for (std::size_t i = 0; i < trials.size(); ++i) {
     if (trials[i].failedTick == 0) continue;
-    if (recorded++ < kMostRecorded) Record(bench.options, static_cast<std::uint32_t>(i), Violence::kPlay, trials[i]);
+    if (recorded++ < kMostRecorded) Record(bench.options, static_cast<std::uint32_t>(i), trials[i]);
     results.rows.push_back(MakeRow(i, trials[i]));
-    results.remarks.push_back(DescribeTrial(bench.options.seed, i, Violence::kPlay, trials[i]));
+    results.remarks.push_back(DescribeTrial(bench.options.seed, i, trials[i]));
   }
   AddRows(trials, results);
   Sums sums = AddUp(trials);
-  results.rows.push_back({{"experiment", "random_trial_materials"},
-                          {"bodies", sums.bodies},
-                          {"refused", sums.refused},
-                          {"crushed", sums.crushed}});
+  results.rows.push_back(
+      {{"experiment", "random_trial_materials"}, {"bodies", sums.bodies}, {"refused", sums.refused}});
   results.AddFigure("random_trials", sums.trials);
   results.AddFigureAtMost("non_finite", sums.nonFinite, 0);
   results.AddFigureAtMost("inverted", sums.inverted, 0);
@@ -297,11 +277,6 @@ void MeasureRandomTrials(Bench& bench) {
   results.AddFigure("failed_trials", sums.failed);
   results.AddFigure("penetration_p999", FindP999(std::move(sums.depths)));
   results.plots.push_back(MakePlot(trials));
-  if (beyond.empty()) return;
-  const Sums more = AddUp(beyond);
-  results.AddFigure("beyond_failed_share", more.failed / more.trials);
-  results.AddFigure("beyond_non_finite", more.nonFinite);
-  results.AddFigure("beyond_reset", more.reset);
 }
 
 }  // namespace wobble::bench

@@ -15,12 +15,6 @@ namespace wobble::bench {
 // Length of a random trial, ticks: 10 s of play.
 inline constexpr int kRandomTicks = 600;
 
-// How hard bodies are dropped and kicked, and how heavily they are piled.
-enum class Violence : std::uint8_t {
-  kPlay,    // within what they can bear: see random_world.cpp
-  kBeyond,  // regardless of what they can bear
-};
-
 // Heights on a square grid, as MakeHeightField takes them.
 struct Terrain {
   int columns = 0;
@@ -30,7 +24,7 @@ struct Terrain {
 
 class RandomWorld {
  public:
-  RandomWorld(std::uint64_t seed, std::uint32_t number, Violence violence);
+  RandomWorld(std::uint64_t seed, std::uint32_t number);
 
   // Applies the events that are due before the next step.
   void Act();
@@ -46,9 +40,7 @@ class RandomWorld {
   // What the blueprints were made from, and the terrain's heights; empty where there is none.
   [[nodiscard]] const std::vector<scenes::BlueprintDefinition>& Definitions() const { return m_definitions; }
   [[nodiscard]] const Terrain& ReadTerrain() const { return m_terrain; }
-  [[nodiscard]] int Refused() const { return m_refused; }         // materials that Validate refused
-  [[nodiscard]] int Crushed() const { return m_crushed; }         // materials whose gas could not carry the load
-  [[nodiscard]] double MostSpeed() const { return m_mostSpeed; }  // of drops and kicks, m/s
+  [[nodiscard]] int Refused() const { return m_refused; }  // materials that Validate refused
 
  private:
   // A body that is steered like a player's.
@@ -66,22 +58,14 @@ class RandomWorld {
   void Kick();
   void Steer(Player& player);
 
-  // Whether the gas of every blueprint carries `mass`, kg.
-  [[nodiscard]] bool Carries(double mass) const;
-  // Downward acceleration that gas must carry, at least the Earth's, m/s²; 0 where it does not matter.
-  [[nodiscard]] double FindLoad() const;
-
   Random m_random;
-  Violence m_violence;
   std::unique_ptr<physics::World> m_world;
   std::vector<scenes::BlueprintDefinition> m_definitions;
   std::vector<std::string> m_descriptions;
   Terrain m_terrain;
   std::string m_place;
   int m_refused = 0;
-  int m_crushed = 0;
   std::size_t m_mostVertices = 0;
-  double m_mostSpeed = 15;
   double m_floor = 0;        // height above everything on the ground, m
   double m_reach = 0;        // of the largest body, m
   std::vector<int> m_kicks;  // ticks

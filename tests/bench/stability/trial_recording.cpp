@@ -75,9 +75,8 @@ server::PlaygroundState MakeBeginning(const World& world, const Playground& grou
 
 }  // namespace
 
-TrialRecording RecordTrial(std::uint64_t seed, std::uint32_t number, Violence violence, int ticks,
-                           const std::filesystem::path& folder) {
-  RandomWorld random(seed, number, violence);
+TrialRecording RecordTrial(std::uint64_t seed, std::uint32_t number, int ticks, const std::filesystem::path& folder) {
+  RandomWorld random(seed, number);
   World& world = random.Engine();
   const std::string name = "trial-" + std::to_string(number) + "-seed-" + std::to_string(seed);
   recording::Head head{.version = kVersion, .scene = WriteScene(random, name)};

@@ -15,7 +15,7 @@ struct TrialRecording {
 
 // Plays the trial once more, for so many ticks, and records it into the folder, which is made if it is not there. The
 // recording holds the bodies as they begin, and every kick, tilt and wish with its tick.
-[[nodiscard]] TrialRecording RecordTrial(std::uint64_t seed, std::uint32_t number, Violence violence, int ticks,
+[[nodiscard]] TrialRecording RecordTrial(std::uint64_t seed, std::uint32_t number, int ticks,
                                          const std::filesystem::path& folder);
 
 }  // namespace wobble::bench
