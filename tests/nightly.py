@@ -5,7 +5,7 @@
     python3 tests/nightly.py JOB          one job alone (make nightly PART=JOB)
     python3 tests/nightly.py --list N     the jobs of each part, with the minutes that they take on two cores
 
-Jobs are dealt out by their minutes, the longest first to the part that has least; seven parts take less than 120 minutes
+Jobs are dealt out by their minutes, the longest first to the part that has least; seven parts take up to 120 minutes
 each. A job that has passed at this commit is not run again, so a part that was interrupted goes on where it was. Each
 job leaves tests/bench/results/nightly/JOB.json: commit, host's processor, minutes, exit code, and the figures that it
 has. Its output is in build/nightly/JOB.log. The exit code is 0 when every job of the part has passed, 1 when one has

@@ -15,7 +15,7 @@
 namespace wobble::physics {
 
 // Two bodies near one another, with the contacts between them, which live on from tick to tick. first < second, or
-// equal: a body near itself, which has edge contacts alone.
+// equal: a body near itself, which has edge contacts, a tangle and pulls alone.
 template <class Real>
 struct BodyPair {
   BodyId first = 0;

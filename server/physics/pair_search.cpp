@@ -25,6 +25,9 @@ bool MayForgetSides(const Blueprint& first, const Blueprint& second) {
   return first.full.planar || second.full.planar || (first.topology.isOpen && second.topology.isOpen);
 }
 
+// A pair without any is dropped, and with it the time until its next look for triangles that intersect: such a pair is
+// looked at in every tick. To look in turn made the slowest ticks of 16 players in `goals` three times as long, and why
+// was not found.
 template <class Real>
 bool HasContacts(const BodyPair<Real>& pair) {
   return !pair.sides[0].empty() || !pair.sides[1].empty() || !pair.edges.empty() || pair.tangle.ticks > 0;

@@ -81,6 +81,7 @@ void FinishContactPair(const ContactPair<Real>& contactPair, std::span<const std
   if (outcomes[a].reset || outcomes[b].reset) {
     contactPair.edges->clear();
     *contactPair.core = {};
+    *contactPair.tangle = {};
   }
   if (a == b) return;
   const bool touch = std::any_of(contactPair.edges->begin(), contactPair.edges->end(),

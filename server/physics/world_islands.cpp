@@ -57,7 +57,8 @@ void FindContactPairs(std::span<const Member<Real>> members, PairLists<Real>& pa
                                                       .gap = pairs.awake[i].gap,
                                                       .sides = {&pairs.awake[i].sides[0], &pairs.awake[i].sides[1]},
                                                       .edges = &pairs.awake[i].edges,
-                                                      .core = &pairs.awake[i].core};
+                                                      .core = &pairs.awake[i].core,
+                                                      .tangle = &pairs.awake[i].tangle};
   }
   // begins[island + 1] has been counted down from the end of the island's pairs to their begin: shift by one.
   begins.erase(begins.begin());

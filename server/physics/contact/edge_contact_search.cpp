@@ -1,5 +1,5 @@
-// Boxes round each edge against the other body's bounds first, then every two edges that are left. Bodies with edge
-// contacts are small: a tree or a grid over edges would cost more than it saves.
+// Boxes round each edge against the other body's bounds first, then every two edges that are left. Those near another
+// body are few: a tree or a grid over edges would cost more than it saves.
 #include <algorithm>
 #include <cmath>
 

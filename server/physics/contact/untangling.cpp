@@ -10,7 +10,8 @@ namespace {
 
 using Triangle = UntanglingScratch::Triangle;
 
-// At a pair without tension. Of two closed bodies looks at every eighth tick were 8 % of a crowd's time.
+// Ticks without a look, at a pair without tension. Looks at two closed bodies in every eighth tick were 8 % of a
+// crowd's time.
 constexpr int kTicksUntilLook = 3;
 constexpr int kTicksUntilSlowLook = kMostTicksUntilLook;
 constexpr double kGrowTime = 0.1;          // s

@@ -34,7 +34,8 @@
 //   each vertex on its right side; a force that sets in each time is a jump for the step. Balls that dropped on a sheet
 //   were off by 402 mm after a second instead of 31 (15 without any tension), and a ball on a cloth missed its error
 //   target in 21 of 48 seconds instead of 5. After hard hits the tension is needed: without it, a shot passed through
-//   a sheet.
+//   a sheet. The speed is that of the tick, so a body that a sheet has slowed below 5 m/s is left to its contacts
+//   again.
 //
 // Contacts that remember a wrong side may be stronger than the tension. So those of two sheets, and of planar bodies,
 // forget it after 0.15 s in one another (PairSearch::ForgetSides).

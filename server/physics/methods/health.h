@@ -20,8 +20,8 @@ enum class Health : std::uint8_t {
 // Finds kGood or kNonFinite; kRunaway is judged for an island as a whole.
 [[nodiscard]] Health FindHealth(const BulkMotion& bulk);
 
-// A body that has been inside out for so long, s, is put back to its rest shape. Its gas pushes all the harder the more
-// negative the volume is (ComputePressure), and turns it out within a few ticks if there is enough of it.
+// A body that has been inside out for so long, s, is put back to its rest shape. Gas turns it out
+// within a few ticks if there is enough of it (ComputePressure); other bodies have recovery.h.
 inline constexpr double kInvertedTime = 2;
 
 // Energy that an island may gain beyond what was put in, as a share of its energy: honest play stays under 0.6 %,

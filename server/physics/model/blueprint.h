@@ -112,7 +112,7 @@ struct Coefficients {
   std::vector<std::array<std::uint16_t, 2>> outline;
   Real gas = 0;              // nRT, J; 0: the body has no gas and the term is skipped
   Real ambientPressure = 0;  // Pa
-  Real floorVolume = 0;      // below this volume the pressure is continued linearly, m³ (planar: m²)
+  Real floorVolume = 0;      // below this volume the pressure grows less, see ComputePressure; m³ (planar: m²)
   Real repulsion = 0;        // K_r between the ends of each spring, N·m⁴; 0: none
   Real drag = 0;             // ½ρC of the medium at every face, kg/m³; 0: none
   Real tearStretch = 0;      // springs tear when longer than this times their rest length; 0: never
@@ -146,8 +146,8 @@ struct Blueprint {
   // topology.sides, of radius 0.
   std::vector<EdgeEnds> edges;
   double edgeRadius = 0;
-  // Edges by which skins meet one another (contact/edge_contact.h): borders, and sides at which the rest shape is
-  // convex and bends by more than kSharpCosine; and what the faces at each have beside it.
+  // Edges by which skins meet one another (contact/edge_contact.h): borders, and sides at which the rest shape
+  // bends by more than kSharpCosine, outwards if it is closed; and what the faces at each have beside it.
   std::vector<EdgeEnds> sharpEdges;
   std::vector<EdgeWings> sharpWings;
   double sideLength = 0;  // the mean of topology.sides at rest, m; 0 without faces

@@ -159,7 +159,8 @@ bool IsSharp(const Blueprint& blueprint, std::size_t f, std::size_t corner) {
   const Vector3d area = findArea(face);
   const Vector3d other = findArea(blueprint.full.faces[neighbour]);
   const Vector3d across = blueprint.rest[blueprint.topology.across[f][corner]] - blueprint.rest[face[corner]];
-  return area.dot(across) < 0 && area.dot(other) < kSharpCosine * area.norm() * other.norm();
+  const bool isTouchable = blueprint.topology.isOpen || area.dot(across) < 0;  // from behind, too; or convex
+  return isTouchable && area.dot(other) < kSharpCosine * area.norm() * other.norm();
 }
 
 // Blueprint::sharpEdges and sharpWings.
@@ -285,8 +286,8 @@ void SetCells(Blueprint& blueprint, Cells<double> cells) {
 
 void SetAim(Blueprint& blueprint) {
   // Of the square of the body's largest frequency. The aim is farther than an edge is long, so less than 1 overcomes
-  // what holds a fold: of 400 broken rings of several layers 338 come back with 0.03, 390 with 0.1 and 393 with 0.3;
-  // six of the others are too soft to carry themselves, one spins.
+  // what holds a fold: of 400 broken rings of several layers 338 came back with 0.03, 390 with 0.1 and 393 with 0.3,
+  // when rings that are too soft to carry themselves were still accepted.
   constexpr double kShare = 0.3;
   const double squareFrequency = kShare * blueprint.angularFrequency * blueprint.angularFrequency;
   // Critical, but for half of what the other terms leave of the rate that kMaxSubsteps can hold at most.

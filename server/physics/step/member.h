@@ -14,6 +14,7 @@
 #include "server/physics/contact/edge_contact.h"
 #include "server/physics/contact/self_contact.h"
 #include "server/physics/contact/skin_gap.h"
+#include "server/physics/contact/untangling.h"
 #include "server/physics/methods/forces.h"
 #include "server/physics/methods/health.h"
 #include "server/physics/methods/stability.h"
@@ -74,6 +75,7 @@ struct ContactPair {
   std::array<std::vector<BodyContact<Real>>*, 2> sides{};
   std::vector<EdgeContact<Real>>* edges = nullptr;  // of the first's edges with the second's; null: none
   CoreContact* core = nullptr;                      // null: none
+  Tangle* tangle = nullptr;                         // null: none
 };
 
 // From the centre of the first member to that of the second as the tick began, and as the last try ended it, m.

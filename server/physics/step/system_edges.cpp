@@ -1,5 +1,4 @@
-// Pairs with edge contacts are few, so they are kept in a list of their own, and a system without any does nothing
-// here.
+// Pairs with edge contacts are kept in a list of their own, so a system without any does nothing here.
 #include "server/physics/step/system_edges.h"
 
 #include <algorithm>

@@ -2,8 +2,7 @@
 // the first of the random trials of `wobble_lab stability`.
 //
 // Scenes are played by their own drives, without players; where a scene has no bodies of its own, eight players chase
-// one another. Penalty contact carries a body by the depth of its vertices, so what lies on a body intersects it by a
-// few millimetres: the counts are a baseline, not a limit.
+// one another. Skins push from a gap on, so what lies at rest intersects nothing; a hit may use the gap up.
 //
 // A rate is pairs of triangles over vertex-ticks: a pair is counted anew at every look, and so is a vertex. Pairs
 // between fine bodies (kFineVertices) go over the vertices of fine bodies, all others over the vertices of all bodies
@@ -23,6 +22,7 @@
 namespace wobble::bench {
 namespace {
 
+constexpr double kMostBetweenOthers = 1e-6;  // pairs a vertex-tick
 constexpr int kTicksBetweenCounts = 6;
 constexpr int kTicksBetweenDepths = 60;
 constexpr int kSceneHz = 60;
@@ -153,9 +153,12 @@ nlohmann::ordered_json MakeSightingsRow(const char* experiment, const std::strin
           {"exact_share", FindRate(seen.exact, seen.asked)}};
 }
 
-void AddSightings(const std::string& prefix, const Sightings& seen, Results& results) {
-  results.AddFigure(prefix + "intersecting_fine", FindRate(seen.betweenFine, seen.fineVertexTicks));
-  results.AddFigure(prefix + "intersecting_others", FindRate(seen.betweenOthers, seen.vertexTicks));
+// Quick runs have no limits: they see some of the same faults in fewer vertices.
+void AddSightings(const std::string& prefix, const Sightings& seen, bool quick, Results& results) {
+  const double fine = FindRate(seen.betweenFine, seen.fineVertexTicks);
+  const double others = FindRate(seen.betweenOthers, seen.vertexTicks);
+  results.AddFigureAtMost(prefix + "intersecting_fine", fine, 0, !quick);
+  results.AddFigureAtMost(prefix + "intersecting_others", others, kMostBetweenOthers, !quick);
   results.AddFigure(prefix + "intersecting_within", FindRate(seen.within, seen.vertexTicks));
   results.AddFigure(prefix + "intersecting_depth", seen.deepest);
 }
@@ -201,8 +204,8 @@ void MeasureIntersections(Bench& bench) {
     const std::string number = std::to_string(worst - trials.begin());
     bench.results.rows.push_back(MakeSightingsRow("intersections_in_trials", "trial " + number, *worst));
   }
-  AddSightings("scene_", ofScenes, bench.results);
-  AddSightings("trial_", ofTrials, bench.results);
+  AddSightings("scene_", ofScenes, quick, bench.results);
+  AddSightings("trial_", ofTrials, quick, bench.results);
 }
 
 }  // namespace wobble::bench

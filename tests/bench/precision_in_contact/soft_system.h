@@ -2,8 +2,9 @@
 //
 // The forces are those of the engine, by its own numbers: springs and dashpots, gas, weight, penalty contacts with
 // planes and between bodies. Contacts are found, followed and armed by the engine's functions, so that all methods
-// solve the same equations and touch the same faces; how to step them is written here alone. Left out is what keeps the
-// torque of friction between bodies exact (body_contact.h), a force of the order of depth over face.
+// solve the same equations and touch the same faces; how to step them is written here alone. Left out are what keeps
+// the torque of friction between bodies exact (body_contact.h), a force of the order of depth over face; contacts of
+// sharp edges; cores; and the tension of skins in one another.
 //
 // Double precision, world coordinates, plain code, one thread.
 #pragma once

@@ -1,4 +1,4 @@
-// The bodies of the stress part: one of every kind that a scene can have, as scenes have it by default.
+// The bodies of the stress part, as scenes have them by default: of every kind but `mesh` and planar lattices.
 #pragma once
 
 #include <cstddef>

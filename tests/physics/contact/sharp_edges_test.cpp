@@ -53,6 +53,18 @@ TEST(SharpEdges, AreWhereTheRestShapeBendsAndAtBorders) {
   }
 }
 
+// An open skin is touched from both sides, whichever way its faces are wound.
+TEST(SharpEdges, AreRidgesOfOpenSkinsInBothWindings) {
+  MeshDefinition roof;
+  roof.vertices = {{-0.5, 0, 0.3}, {0.5, 0, 0.3}, {-0.5, -0.5, 0}, {0.5, -0.5, 0}, {-0.5, 0.5, 0}, {0.5, 0.5, 0}};
+  roof.faces = {{0, 2, 3}, {0, 3, 1}, {0, 1, 5}, {0, 5, 4}};
+  roof.material.gas = 0;
+  for (int winding = 0; winding < 2; ++winding) {
+    EXPECT_EQ(CountSharp(MakeMesh(roof)), 1U + 6U) << "the ridge and the border";
+    for (Face& face : roof.faces) std::swap(face[1], face[2]);
+  }
+}
+
 // Two wedges, the upper one's bottom edge `distance` above the lower one's top edge, in a gap of 1 cm.
 struct TwoWedges {
   Blueprint blueprint = MakeWedge();

@@ -296,8 +296,7 @@ Vector3d Break(Breakage way, const Vector3d& at, const Vector3d& noise) {
 }
 
 // Without gravity: two seconds later every element is the right way round and the body near rest, without a reset. What
-// is left out: bodies of which every vertex is thrown anywhere. With ν = 0.45 these may keep elements that are wound
-// twice round an edge, each of them the right way round.
+// is left out, since `wobble_lab stability --part broken` plays it: bodies of which every vertex is thrown anywhere.
 TEST(Solid, RecoversFromBrokenStatesWithinTwoSeconds) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> draw(-0.15, 0.15);  // m: with cells of a fifth and a quarter of a metre

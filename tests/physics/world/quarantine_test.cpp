@@ -1,13 +1,17 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <random>
+#include <variant>
 
 #include "server/physics/shapes/cloth.h"
+#include "server/physics/shapes/lattice.h"
 #include "server/physics/shapes/pair.h"
 #include "server/physics/world.h"
+#include "server/physics/world_state.h"
 #include "tests/physics/bodies.h"
 #include "tests/support/pace.h"
 
@@ -116,6 +120,35 @@ TEST(Quarantine, TheNeighbourOfALostBodyLives) {
   EXPECT_EQ(after.quarantined, 0U);
   EXPECT_NEAR(world.FindCentre(world.ReadBody(1)).z(), world.FindCentre(world.ReadBody(2)).z(), 0.05)
       << "both lie on the ground, rocking a little";
+}
+
+// How long two bodies have been in one another, ticks: 0 if they are not, or are not known to be.
+int ReadTangle(const World& world) {
+  return std::visit(
+      [](const auto& pairs) {
+        int ticks = 0;
+        for (const auto& pair : pairs.awake) ticks = std::max(ticks, pair.tangle.ticks);
+        return ticks;
+      },
+      world.Capture().pairs);
+}
+
+// The next time that it is in a neighbour, the tension begins to grow anew.
+TEST(Quarantine, ALostBodyWasInNobody) {
+  World world(WorldSettings{.gravity = Vector3d::Zero()});
+  LatticeDefinition block;
+  block.cells = {2, 2, 2};
+  world.AddBlueprint(MakeLattice(block));
+  world.AddBody(0, Vector3d(0, 0, 0.5));
+  world.AddBody(0, Vector3d(0.3, 0.1, 0.75));
+  for (int tick = 0; tick < 60; ++tick) world.Step();
+  ASSERT_GT(ReadTangle(world), 0);
+  const auto positions = ReadPositions(world, 1);
+  std::vector<Vector3d> velocities(positions.size(), Vector3d::Zero());
+  velocities[3].z() = std::numeric_limits<double>::quiet_NaN();
+  world.SetMotion(1, positions, velocities);
+  EXPECT_EQ(world.Step().reset, 1U);
+  EXPECT_EQ(ReadTangle(world), 0);
 }
 
 // The vertices of one of ten cloths fly apart at up to 10⁶ m/s: all others are within their way.
