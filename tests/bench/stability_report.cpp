@@ -1,6 +1,7 @@
 // `wobble_lab stability`: the largest stable step of each method against theory, the decay of a perturbation, and
 // thousands of random worlds in the server's own stepping, none of which may fail.
 #include "tests/bench/stability/experiments.h"
+#include "tests/bench/stress/experiments.h"
 
 namespace wobble::bench {
 

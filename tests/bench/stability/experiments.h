@@ -17,11 +17,5 @@ void MeasureGrowth(Bench& bench);
 void MeasureRandomTrials(Bench& bench);
 // Key recovered_share: bodies in states that no motion can have brought, two seconds later.
 void MeasureBrokenStates(Bench& bench);
-// Keys shots_through, stress_non_finite, stress_reset, stress_inverted_after_2s, stress_quarantined: loads and shots
-// that no body is made to bear.
-void MeasureStress(Bench& bench);
-// Keys stacks_fallen_through, stacks_non_finite, stacks_reset, stacks_inverted_after_2s: a hundred bodies on one
-// another.
-void MeasureStressStacks(Bench& bench);
 
 }  // namespace wobble::bench

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "tests/bench/stability/experiments.h"
+#include "tests/bench/stress/experiments.h"
 #include "tests/bench/stress/loads.h"
 #include "tests/bench/stress/rows.h"
 #include "tests/bench/stress/shots.h"

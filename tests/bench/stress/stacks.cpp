@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "tests/bench/stability/experiments.h"
+#include "tests/bench/stress/experiments.h"
 #include "tests/bench/stress/rows.h"
 #include "tests/bench/trials.h"
 
