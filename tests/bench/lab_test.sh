@@ -191,7 +191,7 @@ case_contact() {
 case_stability() {
   expect_report stability \
     "theory_deviation_max server_step_over_limit_max perturbation_rk4_left growth_over_bound_max
-     random_trials non_finite inverted quarantined penetration_p999" \
+     random_trials non_finite inverted_after_2s quarantined penetration_p999" \
     "stability_limits stability_map stability_perturbation stability_growth stability_trials" \
     --depth 0.2 --recordings "$folder/recordings"
   expect_line "$out" ', too deep at tick [1-9][0-9]*: .*; wobble watch '

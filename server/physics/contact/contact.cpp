@@ -84,15 +84,20 @@ SurfacePoint<Real> FindPointFromSide(const Surface<Real>& surface, const Vector3
   return {normal.dot(fromCentre) - surface.halfExtents[axis] - surface.radius, normal};
 }
 
-// True if a vertex has entered ground through the open side at the field's border. Ground has no walls where its
-// heights end. A spring that nobody pressed would lift such a vertex, as hard as it is deep: a ball that had rolled off
-// the edge, and under it, was shot out at fifteen kilometres a second.
+// True if a vertex that has not been near the surface has entered ground through the open side at the field's border.
+// Ground has no walls where its heights end. A spring that nobody pressed would lift such a vertex, as hard as it is
+// deep: a ball that had rolled off the edge, and under it, was shot out at fifteen kilometres a second. mean: of the
+// body, m/s; where the vertices of a ball quiver, their own velocities say little of the way that they have come. most:
+// deeper than this, m, nothing can have come through the surface.
 template <class Real>
 bool HasComeFromBeside(const Surface<Real>& surface, const SurfacePoint<Real>& point, const Vector3<Real>& x,
-                       const Vector3<Real>& v, Real duration) {
+                       const Vector3<Real>& v, const Vector3<Real>& mean, Real duration, Real most) {
   if (surface.kind != Obstacle::Kind::kHeightField || point.distance > -static_cast<Real>(kBuriedDepth)) return false;
-  const Vector3<Real> before = x - Real(2) * duration * v;
-  return FindSurfacePoint(surface, before).distance >= static_cast<Real>(kBeyond);
+  const auto wasBeyond = [&](const Vector3<Real>& velocity) {
+    const Vector3<Real> before = x - Real(2) * duration * velocity;
+    return FindSurfacePoint(surface, before).distance >= static_cast<Real>(kBeyond);
+  };
+  return point.distance < -most || wasBeyond(v) || wasBeyond(mean);
 }
 
 // UpdateAnchors for one contact, whose vertex is at x and v.
@@ -285,8 +290,10 @@ void FindContacts(const SurfaceSearch<Real>& search, std::vector<Contact<Real>>&
       const Real shaken = FindApproach(surface, point, mean) + search.survey.agitation;
       if (point.distance > margin + std::max({Real(0), own, shaken}) * search.duration) return;
       // A contact becomes buried when it is first seen, or never; burial ends when the vertex comes out above ground.
-      contact.buried =
-          known ? contact.buried && point.distance < Real(0) : HasComeFromBeside(surface, point, x, v, search.duration);
+      const Real way = Real(2) * search.duration * std::max({Real(0), own, shaken});
+      const Real most = Real(2) * std::sqrt(half.dot(half)) + way;  // what was put into the ground is not as deep, too
+      contact.buried = known ? contact.buried && point.distance < Real(0)
+                             : HasComeFromBeside(surface, point, x, v, mean, search.duration, most);
       contact.side = point.normal;
       scratch.push_back(contact);
     });

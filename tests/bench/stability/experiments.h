@@ -12,8 +12,8 @@ void MeasureLimits(Bench& bench);
 void MeasurePerturbations(Bench& bench);
 // Key growth_over_bound_max and a plot: how fast two motions that begin side by side diverge.
 void MeasureGrowth(Bench& bench);
-// Keys random_trials, non_finite, inverted, reset, quarantined, penetration_p999: random worlds in the server's own
-// stepping.
+// Keys random_trials, non_finite, inverted_after_2s, reset, quarantined, penetration_p999: random worlds in the
+// server's own stepping.
 void MeasureRandomTrials(Bench& bench);
 // Key recovered_share: bodies in states that no motion can have brought, two seconds later.
 void MeasureBrokenStates(Bench& bench);

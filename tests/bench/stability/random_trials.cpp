@@ -1,6 +1,6 @@
 // Thousands of random worlds, ten seconds each, in the server's own stepping: single precision, its error target,
-// sleep, contact, several bodies. No body may become non-finite, inverted or quarantined. Any finding is a fault of the
-// engine and is fixed there; the number of a trial reproduces it.
+// sleep, contact, several bodies. No body may become non-finite, be inside out for two seconds, put back or
+// stepped again. Any finding is a fault of the engine and is fixed there; the number of a trial reproduces it.
 //
 // Penetration is measured independently of the engine (insides.h): the greatest depth of a vertex of a body under a
 // static surface or inside a closed body, relative to the body's size, for every body every third of a second. Deeper
@@ -24,6 +24,7 @@ constexpr int kTicksBetweenLooks = 20;
 constexpr std::size_t kTrials = 10000;
 constexpr std::size_t kQuickTrials = 60;
 constexpr std::size_t kMostRecorded = 20;  // of the trials that fail
+constexpr int kInvertedTicks = 120;        // in a row: two seconds inside out
 constexpr int kTicksBehind = 120;          // that a recording goes on behind the failure
 
 struct RandomTrial {
@@ -35,7 +36,7 @@ struct RandomTrial {
   std::uint64_t substeps = 0;
   std::uint64_t awake = 0;  // body-ticks
   std::uint32_t nonFinite = 0;
-  std::uint32_t inverted = 0;  // body-ticks
+  std::uint32_t inverted = 0;  // bodies that were inside out for two seconds
   std::uint32_t reset = 0;
   std::uint32_t quarantined = 0;
   int failedTick = 0;  // the first, from 1; 0: none
@@ -65,7 +66,7 @@ void Note(const StepReport& report, const RandomWorld& random, RandomTrial& tria
   trial.substeps += report.substeps;
   trial.awake += report.awake;
   trial.nonFinite += report.nonFinite;
-  trial.inverted += report.inverted;
+  for (const Body& body : random.Engine().Bodies()) trial.inverted += body.invertedTicks == kInvertedTicks ? 1 : 0;
   trial.quarantined += report.quarantined;
   trial.reset += report.reset;
   if (report.quarantined == 0 || trial.failedTick > 0) return;
@@ -123,7 +124,7 @@ nlohmann::ordered_json MakeRow(std::size_t number, const RandomTrial& trial) {
           {"substeps", trial.substeps},
           {"depth", FindDeepest(trial)},
           {"non_finite", trial.nonFinite},
-          {"inverted", trial.inverted},
+          {"inverted_after_2s", trial.inverted},
           {"quarantined", trial.quarantined},
           {"reset", trial.reset},
           {"failed_tick", trial.failedTick},
@@ -271,7 +272,7 @@ void MeasureRandomTrials(Bench& bench) {
       {{"experiment", "random_trial_materials"}, {"bodies", sums.bodies}, {"refused", sums.refused}});
   results.AddFigure("random_trials", sums.trials);
   results.AddFigureAtMost("non_finite", sums.nonFinite, 0);
-  results.AddFigureAtMost("inverted", sums.inverted, 0);
+  results.AddFigureAtMost("inverted_after_2s", sums.inverted, 0);
   results.AddFigureAtMost("reset", sums.reset, 0);
   results.AddFigureAtMost("quarantined", sums.quarantined, 0);
   results.AddFigure("failed_trials", sums.failed);

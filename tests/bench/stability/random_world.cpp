@@ -111,7 +111,7 @@ void RandomWorld::AddSlopes() {
   m_place = sides == 2 ? "wedge" : "funnel";
 }
 
-// Hills in a bowl that no body leaves.
+// Hills in a bowl. What is kicked over its rim falls past it.
 void RandomWorld::AddTerrain() {
   constexpr int kNodes = 32;
   const double cell = m_random.Draw(1, 2);

@@ -215,6 +215,32 @@ TEST(HeightField, WhatComesInUnderItFromBesideIsLeftAlone) {
   EXPECT_GT(world.FindCentre(world.ReadBody(inside)).z(), 0.3);
 }
 
+// A ball that quivers faster than it drifts in: its vertices' velocities tell nothing of the way that they have come.
+TEST(HeightField, WhatQuiversInUnderItIsLeftAlone) {
+  for (const double drift : {-0.05, -0.5, -3.0}) {
+    World world{WorldSettings{.gravity = Vector3d::Zero()}};
+    BallDefinition ball;
+    ball.material.dampingRatio = 0;
+    world.AddBlueprint(MakeBall(ball));
+    world.AddObstacle(MakeGround(Vector3d(-8, -8, 0), 9, 2, [](double, double) { return 0.0; }));
+    const BodyId under = world.AddBody(0, Vector3d(8.52, 0, -30));
+    std::vector<Vector3d> positions;
+    std::vector<Vector3d> velocities;
+    VisitVertices(world.ReadBody(under), [&](std::size_t i, const Vector3d& x) {
+      positions.push_back(x);
+      velocities.emplace_back(drift + (i % 2 == 0 ? 3 : -3), 0, 0);
+    });
+    world.SetMotion(under, positions, velocities);
+    for (int tick = 0; tick < 120; ++tick) {
+      ASSERT_EQ(world.Step().quarantined, 0U) << drift << " m/s, tick " << tick;
+      for (const Vector3<float>& v : std::get<State<float>>(world.ReadBody(under).state).velocities) {
+        ASSERT_LT(v.norm(), 15) << drift << " m/s, tick " << tick;
+      }
+    }
+    EXPECT_LT(world.FindCentre(world.ReadBody(under)).x(), 8.5) << "it has drifted in";
+  }
+}
+
 // Far from the field's corner single precision gives what double gives, since both count from the body's origin.
 TEST(HeightField, IsAsExactFarFromItsCorner) {
   const Obstacle ground = MakeGround(Vector3d(-2000, -2000, 100), 128, 20, [](double x, double y) {
