@@ -5,8 +5,8 @@
 
 namespace wobble::bench {
 
-// Keys shots_through, stress_non_finite, stress_reset, stress_inverted_after_2s, stress_quarantined, fallen_through: one
-// body of each kind, or a bag of 64.
+// Keys shots_through, stress_non_finite, stress_reset, stress_inverted_after_2s, stress_quarantined, fallen_through:
+// one body of each kind, or a bag of 64.
 void MeasureStress(Bench& bench);
 // Keys stacks_fallen_through, stacks_non_finite, stacks_reset, stacks_inverted_after_2s: a hundred bodies on one
 // another.
