@@ -264,7 +264,8 @@ void FindContacts(const SurfaceSearch<Real>& search, std::vector<Contact<Real>>&
   const Vector3<Real> half = (bounds.high - bounds.low) / Real(2);
   const Vector3<Real> middle = bounds.low + half;
   const Real margin = search.range + static_cast<Real>(kNearMargin);
-  const Real reach = std::sqrt(half.dot(half)) + bounds.speed * search.duration + margin;
+  const Real halfDiagonal = std::sqrt(half.dot(half));
+  const Real reach = halfDiagonal + bounds.speed * search.duration + margin;
   const Vector3<Real> mean = search.survey.bulk.velocity.template cast<Real>();
   auto kept = contacts.begin();
   for (std::uint32_t s = 0; s < search.surfaces.size(); ++s) {
@@ -288,10 +289,10 @@ void FindContacts(const SurfaceSearch<Real>& search, std::vector<Contact<Real>>&
       // out was energy from nowhere that no check sees, since it comes between two ticks.
       const Real own = FindApproach(surface, point, v);
       const Real shaken = FindApproach(surface, point, mean) + search.survey.agitation;
-      if (point.distance > margin + std::max({Real(0), own, shaken}) * search.duration) return;
+      const Real way = std::max({Real(0), own, shaken}) * search.duration;
+      if (point.distance > margin + way) return;
       // A contact becomes buried when it is first seen, or never; burial ends when the vertex comes out above ground.
-      const Real way = Real(2) * search.duration * std::max({Real(0), own, shaken});
-      const Real most = Real(2) * std::sqrt(half.dot(half)) + way;  // what was put into the ground is not as deep, too
+      const Real most = Real(2) * (halfDiagonal + way);  // what was put into the ground is not as deep, too
       contact.buried = known ? contact.buried && point.distance < Real(0)
                              : HasComeFromBeside(surface, point, x, v, mean, search.duration, most);
       contact.side = point.normal;

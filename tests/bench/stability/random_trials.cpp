@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/physics/methods/health.h"
 #include "server/physics/methods/stability.h"
 #include "tests/bench/contact/insides.h"
 #include "tests/bench/stability/experiments.h"
@@ -24,7 +25,6 @@ constexpr int kTicksBetweenLooks = 20;
 constexpr std::size_t kTrials = 10000;
 constexpr std::size_t kQuickTrials = 60;
 constexpr std::size_t kMostRecorded = 20;  // of the trials that fail
-constexpr int kInvertedTicks = 120;        // in a row: two seconds inside out
 constexpr int kTicksBehind = 120;          // that a recording goes on behind the failure
 
 struct RandomTrial {
@@ -66,7 +66,8 @@ void Note(const StepReport& report, const RandomWorld& random, RandomTrial& tria
   trial.substeps += report.substeps;
   trial.awake += report.awake;
   trial.nonFinite += report.nonFinite;
-  for (const Body& body : random.Engine().Bodies()) trial.inverted += body.invertedTicks == kInvertedTicks ? 1 : 0;
+  const auto invertedTicks = std::lround(kInvertedTime / random.Engine().Settings().tickDuration);
+  for (const Body& body : random.Engine().Bodies()) trial.inverted += body.invertedTicks == invertedTicks ? 1 : 0;
   trial.quarantined += report.quarantined;
   trial.reset += report.reset;
   if (report.quarantined == 0 || trial.failedTick > 0) return;
