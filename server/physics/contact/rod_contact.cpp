@@ -14,6 +14,9 @@ constexpr double kDeepestEnd = 0.05;
 constexpr int kSections = 24;
 constexpr int kSamplesOfCell = 4;  // of ground along a rod; so many at least
 constexpr int kMostSamples = 64;
+// Where the distance is no less at this share of a stretch than at its end, it is least at the end: a minimum between
+// the two is less deep by (2⁻¹⁰ l)²/8r at most on ground of radius of curvature r, 1e-6 m for l²/r = 8 m.
+constexpr double kProbe = 1.0 / 1024;
 
 // What a rod sees of a surface.
 template <class Real>
@@ -27,66 +30,90 @@ struct RodView {
   [[nodiscard]] bool IsEndInside() const { return end.distance < Real(0); }  // e > 0
 };
 
-// Where along the rod the distance is least, between s = low and high, where it has one minimum.
+// Where along a rod the distance is least, and how large it is there.
 template <class Real>
-Real SearchSection(const Surface<Real>& surface, const Vector3<Real>& a, const Vector3<Real>& along, Real low,
-                   Real high) {
-  constexpr Real kGolden = Real(0.6180339887498949);
-  const auto read = [&](Real s) { return FindSurfacePoint<Real>(surface, a + s * along).distance; };
-  Real left = high - kGolden * (high - low);
-  Real right = low + kGolden * (high - low);
-  Real atLeft = read(left);
-  Real atRight = read(right);
-  for (int i = 0; i < kSections; ++i) {
-    if (atLeft < atRight) {
-      high = right;
-      right = left;
-      atRight = atLeft;
-      left = high - kGolden * (high - low);
-      atLeft = read(left);
-    } else {
-      low = left;
-      left = right;
-      atLeft = atRight;
-      right = low + kGolden * (high - low);
-      atRight = read(right);
-    }
+struct Place {
+  Real s = 0;
+  Real distance = 0;
+};
+
+// The distances from a surface along a rod.
+template <class Real>
+struct RodSearch {
+  const Surface<Real>& surface;
+  const Vector3<Real>& a;
+  const Vector3<Real>& along;
+
+  [[nodiscard]] Real Read(Real s) const { return FindSurfacePoint<Real>(surface, a + s * along).distance; }
+
+  // Whether it is at `end`, where it is atEnd, that the distance is least up to `other`.
+  [[nodiscard]] bool IsLeastAt(Real end, Real atEnd, Real other) const {
+    return Read(end + static_cast<Real>(kProbe) * (other - end)) >= atEnd;
   }
-  return (low + high) / Real(2);
-}
+
+  // Between s = low and high, where the distance has one minimum.
+  [[nodiscard]] Place<Real> FindBetween(Real low, Real high) const {
+    constexpr Real kGolden = Real(0.6180339887498949);
+    Real left = high - kGolden * (high - low);
+    Real right = low + kGolden * (high - low);
+    Real atLeft = Read(left);
+    Real atRight = Read(right);
+    for (int i = 0; i < kSections; ++i) {
+      if (atLeft < atRight) {
+        high = right;
+        right = left;
+        atRight = atLeft;
+        left = high - kGolden * (high - low);
+        atLeft = Read(left);
+      } else {
+        low = left;
+        left = right;
+        atLeft = atRight;
+        right = low + kGolden * (high - low);
+        atRight = Read(right);
+      }
+    }
+    const Real middle = (low + high) / Real(2);
+    return {middle, Read(middle)};
+  }
+};
 
 // The distance from a convex obstacle is a convex function along a line. That from ground is not: it is sampled four
 // times a cell, and the search goes on from every sample that is less than its neighbours. From the least sample alone,
-// the place leapt to a deeper valley of the distance when another sample became the least: energy from nowhere.
+// the place leapt to a deeper valley of the distance when another sample became the least: energy from nowhere. Most
+// rods are deepest at an end, where a probe takes the place of the search.
 template <class Real>
 Real FindDeepestPlace(const Surface<Real>& surface, const Vector3<Real>& a, const Vector3<Real>& along) {
-  if (surface.kind != Obstacle::Kind::kHeightField) return SearchSection<Real>(surface, a, along, 0, 1);
-  const auto read = [&](Real s) { return FindSurfacePoint<Real>(surface, a + s * along).distance; };
+  const RodSearch<Real> rod{surface, a, along};
+  if (surface.kind != Obstacle::Kind::kHeightField) {
+    for (const Real end : {Real(0), Real(1)}) {
+      if (rod.IsLeastAt(end, rod.Read(end), Real(1) - end)) return end;
+    }
+    return rod.FindBetween(0, 1).s;
+  }
   const Real level = std::sqrt(along.x() * along.x() + along.y() * along.y());
   const auto cell = static_cast<Real>(surface.field->cellSize);
   const Real wanted = std::ceil(Real(kSamplesOfCell) * level / cell);
   const int samples = wanted > Real(kSamplesOfCell) ? static_cast<int>(std::min(wanted, Real(kMostSamples)))
                                                     : kSamplesOfCell;  // NaN: as few
   const Real step = Real(1) / static_cast<Real>(samples);
-  Real deepest = 0;
-  Real least = std::numeric_limits<Real>::infinity();
-  Real before = least;
-  Real here = read(0);
+  Place<Real> deepest{0, std::numeric_limits<Real>::infinity()};
+  Real before = deepest.distance;
+  Real here = rod.Read(0);
   for (int i = 0; i <= samples; ++i) {
-    const Real after = i < samples ? read(static_cast<Real>(i + 1) * step) : std::numeric_limits<Real>::infinity();
+    const Real after = i < samples ? rod.Read(static_cast<Real>(i + 1) * step) : std::numeric_limits<Real>::infinity();
     if (here <= before && here <= after) {
-      const Real place = SearchSection<Real>(surface, a, along, std::max(Real(0), static_cast<Real>(i - 1) * step),
-                                             std::min(Real(1), static_cast<Real>(i + 1) * step));
-      const Real distance = read(place);
-      if (distance < least) {
-        least = distance;
-        deepest = place;
-      }
+      const Real low = std::max(Real(0), static_cast<Real>(i - 1) * step);
+      const Real high = std::min(Real(1), static_cast<Real>(i + 1) * step);
+      const bool isLeast =
+          (i == 0 && rod.IsLeastAt(low, here, high)) || (i == samples && rod.IsLeastAt(high, here, low));
+      const Place<Real> place = isLeast ? Place<Real>{i == 0 ? low : high, here} : rod.FindBetween(low, high);
+      if (place.distance < deepest.distance) deepest = place;
     }
     before = here;
     here = after;
   }
-  return deepest;
+  return deepest.s;
 }
 
 template <class Real>
