@@ -26,9 +26,8 @@ LONGEST_PART = 120  # minutes
 
 REPORTS = {  # minutes of a full report
     "accuracy": 13, "throughput": 6, "skip": 2, "contact": 8, "codec": 4, "interpolation": 4, "link": 12, "capacity": 16}
-# Its parts, by a word of their names. The stacks have not been played whole: after 50 minutes a run was at tick 2,266 of
-# 2,400, and the last of them took 15 to 50 s each.
-STABILITY = {"limits": 3, "perturbations": 1, "growth": 1, "broken": 12, "stress": 5, "stacks": 120}
+# Its parts, by a word of their names. The cloth pile has not been played whole.
+STABILITY = {"limits": 3, "perturbations": 1, "growth": 1, "broken": 12, "stress": 5, "stacks": 15, "pile": 120}
 RANDOM_SEEDS = range(1, 11)  # of 10,000 random trials each
 RANDOM_MINUTES = 32
 FUZZED = ("snapshot", "shape", "round_trip", "basis", "messages", "vestibule", "token", "session", "scene", "lua", "http")

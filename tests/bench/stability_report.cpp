@@ -13,7 +13,8 @@ void ReportStability(Bench& bench) {
       {"growth", 1, &MeasureGrowth},
       {"broken states", 13, &MeasureBrokenStates},
       {"stress", 4, &MeasureStress},
-      {"stacks", 45, &MeasureStressStacks},
+      {"stacks", 15, &MeasureStressStacks},
+      {"cloth pile", 60, &MeasureClothPile},
       {.name = "random trials", .share = 35, .measure = &MeasureRandomTrials, .hasTrials = true},
   };
   MeasureParts(bench, kParts);

@@ -134,6 +134,26 @@ TEST(EdgeContact, PushesBackFromBeyondTheAxis) {
   }
 }
 
+// What is left out without a view, because the remembered normal separates two edges, has no force, and nothing else
+// is left out: near, apart, past one another's axes, and with normals that no longer fit.
+TEST(EdgeContact, ActsWhereItsViewIsDeepAndNowhereElse) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> of(-1, 1);
+  int acted = 0;
+  int apart = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    TwoEdges two(random);
+    two.contact.phase = EdgePhase::kFree;
+    const Vector3d way = 0.2 * of(random) * two.contact.normal + 0.1 * Vector3d(of(random), of(random), of(random));
+    for (const std::size_t end : {0U, 1U}) two.x[end] += way;
+    if (trial % 3 == 0) two.contact.normal = Vector3d(of(random), of(random), of(random)).normalized();
+    const bool isDeep = two.See(two.contact.normal).distance < two.Meet().radius;
+    EXPECT_EQ(two.Force().acts, isDeep) << trial;
+    (isDeep ? acted : apart) += 1;
+  }
+  EXPECT_GT(std::min(acted, apart), 500);
+}
+
 // Nearly parallel edges have their nearest points wherever rounding puts them, unless these are found in double
 // precision: in single precision edges 34 cm apart touched now and then, and energy came from nowhere.
 TEST(EdgeContact, NearlyParallelEdgesAreAsFarInSinglePrecision) {
