@@ -5,11 +5,11 @@
 #include <array>
 #include <vector>
 
-#include "server/physics/contact/body_contact.h"
 #include "server/physics/contact/broad_phase.h"
-#include "server/physics/contact/core_contact.h"
-#include "server/physics/contact/edge_contact.h"
-#include "server/physics/contact/untangling.h"
+#include "server/physics/edges/edge_contact.h"
+#include "server/physics/skins/body_contact.h"
+#include "server/physics/skins/core_contact.h"
+#include "server/physics/skins/untangling.h"
 #include "server/physics/step/body.h"
 
 namespace wobble::physics {
@@ -24,7 +24,7 @@ struct BodyPair {
   std::array<std::vector<BodyContact<Real>>, 2> sides;  // as in ContactPair
   std::vector<EdgeContact<Real>> edges;
   CoreContact core;
-  double gap = 0;  // at which the skins begin to push, m (contact/skin_gap.h)
+  double gap = 0;  // at which the skins begin to push, m (skins/skin_gap.h)
   Tangle tangle;
   Pulls<Real> pulls;  // of this tick, that take the skins apart
   bool met = false;   // the contacts have been searched for in this tick

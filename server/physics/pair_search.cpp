@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <iterator>
 
-#include "server/physics/contact/skin_gap.h"
 #include "server/physics/kernels/contact/contact_limits.h"
+#include "server/physics/skins/skin_gap.h"
 
 namespace wobble::physics {
 namespace {
@@ -273,7 +273,7 @@ void PairSearch<Real>::Meet(BodyPair<Real>& pair) {
 }
 
 // Drops the contacts that hold vertices behind an open skin back, and with them the way out that is wrong for skins
-// that have crossed: the tension of their contour (contact/untangling.h) finds another.
+// that have crossed: the tension of their contour (skins/untangling.h) finds another.
 template <class Real>
 void PairSearch<Real>::ForgetSides(BodyPair<Real>& pair) {
   for (std::size_t side = 0; side < 2; ++side) {

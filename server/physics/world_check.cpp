@@ -3,7 +3,7 @@
 #include <cmath>
 #include <functional>
 
-#include "server/physics/contact/skin_gap.h"
+#include "server/physics/skins/skin_gap.h"
 #include "server/physics/world_state.h"
 
 namespace wobble::physics {

@@ -141,18 +141,18 @@ struct Blueprint {
   double gasViscosity = 0;     // c_g of the gas: more pressure per rate of the volume, Pa·s/m³; see step/losses.h
   // The damping rate that drag adds per metre per second of relative speed, 1/m.
   double dragRate = 0;
-  // Edges that meet those of other bodies (contact/edge_contact.h), and their radius, m: the springs of a body without
+  // Edges that meet those of other bodies (edges/edge_contact.h), and their radius, m: the springs of a body without
   // faces, and its particles that no spring holds, as balls; the border of a planar body. Others meet with
   // topology.sides, of radius 0.
   std::vector<EdgeEnds> edges;
   double edgeRadius = 0;
-  // Edges by which skins meet one another (contact/edge_contact.h): borders, and sides at which the rest shape
+  // Edges by which skins meet one another (edges/edge_contact.h): borders, and sides at which the rest shape
   // bends by more than kSharpCosine, outwards if it is closed; and what the faces at each have beside it.
   std::vector<EdgeEnds> sharpEdges;
   std::vector<EdgeWings> sharpWings;
   double sideLength = 0;  // the mean of topology.sides at rest, m; 0 without faces
   double rodRadius = 0;   // set by the maker of a body without faces: of its particles and springs, m
-  // Edges that meet others of the same body (contact/self_contact.h), and their radius, m; 0: the body does not meet
+  // Edges that meet others of the same body (edges/self_contact.h), and their radius, m; 0: the body does not meet
   // itself. A skin in space has balls at its vertices, other bodies have `edges`.
   std::vector<EdgeEnds> selfEdges;
   double selfRadius = 0;
@@ -224,7 +224,7 @@ inline constexpr double kRepulsionFloorShare = 0.5;
 inline constexpr double kMinSize = 0.01;
 
 // Radius of the balls at a skin's vertices by which it meets itself, as a share of the mean length of its sides; why:
-// contact/self_contact.h.
+// edges/self_contact.h.
 inline constexpr double kSelfRadiusShare = 0.4;
 // Edges of a body meet if they are farther apart at rest than this share of the distance at which they touch. So what
 // is joined is free to bend.

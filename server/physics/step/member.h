@@ -9,17 +9,17 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/contact/body_contact.h"
-#include "server/physics/contact/core_contact.h"
-#include "server/physics/contact/edge_contact.h"
-#include "server/physics/contact/self_contact.h"
-#include "server/physics/contact/skin_gap.h"
-#include "server/physics/contact/untangling.h"
+#include "server/physics/edges/edge_contact.h"
+#include "server/physics/edges/self_contact.h"
 #include "server/physics/methods/forces.h"
 #include "server/physics/methods/health.h"
 #include "server/physics/methods/stability.h"
 #include "server/physics/model/state.h"
 #include "server/physics/model/survey.h"
+#include "server/physics/skins/body_contact.h"
+#include "server/physics/skins/core_contact.h"
+#include "server/physics/skins/skin_gap.h"
+#include "server/physics/skins/untangling.h"
 
 namespace wobble::physics {
 

@@ -10,9 +10,9 @@
 #include <array>
 #include <bit>
 
-#include "server/physics/contact/body_contact_update.h"
 #include "server/physics/kernels/contact/contact_limits.h"
 #include "server/physics/lanes/vertex_rows.h"
+#include "server/physics/skins/body_contact_update.h"
 
 namespace wobble::physics {
 namespace {

@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/contact/body_contact.h"
 #include "server/physics/kernels/contact/body_contact_lanes.h"
 #include "server/physics/model/parallel.h"
+#include "server/physics/skins/body_contact.h"
 #include "server/physics/step/member.h"
 
 namespace wobble::physics {

@@ -1,4 +1,4 @@
-// The springs between the cores of members of a system (contact/core_contact.h), as SystemEdges has edge contacts.
+// The springs between the cores of members of a system (skins/core_contact.h), as SystemEdges has edge contacts.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Edge contacts between the members of a system (contact/edge_contact.h), as SystemContacts keeps those of vertices
+// Edge contacts between the members of a system (edges/edge_contact.h), as SystemContacts keeps those of vertices
 // with faces: forces are computed for all contacts first and added up member by member afterwards, always in one order.
 #pragma once
 

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "server/physics/contact/body_contact_update.h"
-#include "server/physics/contact/body_contact_view.h"
 #include "server/physics/model/survey.h"
+#include "server/physics/skins/body_contact_update.h"
+#include "server/physics/skins/body_contact_view.h"
 #include "tests/bench/contact/bodies.h"
 
 namespace wobble::bench {

@@ -14,7 +14,7 @@
 #include <span>
 #include <vector>
 
-#include "server/physics/contact/skin_gap.h"
+#include "server/physics/skins/skin_gap.h"
 #include "server/physics/world.h"
 
 namespace wobble::bench {

@@ -8,10 +8,10 @@
 #include <limits>
 #include <vector>
 
-#include "server/physics/contact/body_contact_search.h"
-#include "server/physics/contact/body_contact_update.h"
 #include "server/physics/kernels/kernels.h"
 #include "server/physics/shapes/cloth.h"
+#include "server/physics/skins/body_contact_search.h"
+#include "server/physics/skins/body_contact_update.h"
 #include "server/physics/step/member.h"
 #include "tests/physics/bodies.h"
 

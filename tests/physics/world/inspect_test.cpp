@@ -173,7 +173,7 @@ TEST(Inspect, SolidsThatFallOnOneAnotherAreWhatTheStepMakesOfThem) {
   }
 }
 
-// Where cores have met (contact/core_contact.h).
+// Where cores have met (skins/core_contact.h).
 TEST(Inspect, BallsThatAreShotIntoOneAnotherAreWhatTheStepMakesOfThem) {
   WorldSettings settings = MakeExact();
   settings.gravity = Vector3d::Zero();
