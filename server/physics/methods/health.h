@@ -21,7 +21,7 @@ enum class Health : std::uint8_t {
 [[nodiscard]] Health FindHealth(const BulkMotion& bulk);
 
 // A body that has been inside out for so long, s, is put back to its rest shape. Gas turns it out
-// within a few ticks if there is enough of it (ComputePressure); other bodies have recovery.h.
+// within a few ticks if there is enough of it (ComputePressure); else, and for other bodies, there is recovery.h.
 inline constexpr double kInvertedTime = 2;
 
 // Energy that an island may gain beyond what was put in, as a share of its energy: honest play stays under 0.6 %,

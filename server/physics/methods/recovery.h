@@ -12,6 +12,9 @@
 // Σ mᵢ (xᵢ − c) rᵢᵀ. Since Σ mᵢ rᵢ = 0 the forces sum up to zero, and since E does not change with R to first order, so
 // do their torques. Motion is damped at the rate γ but for what is rigid in it. The aim begins when the body has been
 // out of shape for a while, and grows: in play one that is hit may fold for some ticks, and its own forces open it.
+// A ball has an aim for the case alone that it was inside out (ShapeAim::afterInsideOut): a dent under load is a shape
+// of its own, and the gas opens it. The damping matters there as much as the force: in a ball without damping the heat
+// of a fall may exceed the energy of its gas, which then goes in and out through itself.
 //
 // Rejected: to bend the sharpest corner of a ring until it is a cusp, which frees rings of one layer alone and three in
 // 10,000 not; the law of unfolding.h for the cells of rings, which leaves a ring of several layers wound twice.

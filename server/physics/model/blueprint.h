@@ -90,6 +90,9 @@ struct ShapeAim {
   std::vector<Vector3d> rest;  // one place a vertex, centre of mass at the origin, m; empty: the body has no aim
   double squareFrequency = 0;  // κ, 1/s²
   double damping = 0;          // γ, 1/s
+  // The gas opens what is folded; only a body that was inside out for more than a tick needs the aim, until it is
+  // whole.
+  bool afterInsideOut = false;
 };
 
 // The numbers that the force terms read, in the kernel's precision.
