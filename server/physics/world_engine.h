@@ -13,9 +13,9 @@
 #include "server/physics/body_pair.h"
 #include "server/physics/contact/broad_phase.h"
 #include "server/physics/model/parallel.h"
+#include "server/physics/packs/batch_step.h"
 #include "server/physics/roster.h"
 #include "server/physics/skins/body_contact_search.h"
-#include "server/physics/step/batch_step.h"
 #include "server/physics/step/sleep.h"
 #include "server/physics/world.h"
 

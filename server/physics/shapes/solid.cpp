@@ -12,13 +12,13 @@
 #include <cmath>
 
 #include "server/physics/contact/contact.h"
+#include "server/physics/meshing/tetrahedral_mesh.h"
 #include "server/physics/methods/elasticity.h"
 #include "server/physics/methods/forces.h"
 #include "server/physics/model/roots.h"
 #include "server/physics/shapes/finish_blueprint.h"
 #include "server/physics/shapes/material.h"
 #include "server/physics/shapes/mesh.h"
-#include "server/physics/shapes/tetrahedral_mesh.h"
 
 namespace wobble::physics {
 namespace {

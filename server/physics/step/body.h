@@ -1,8 +1,8 @@
 // A body of the world: its state, and what a player asks of it.
 //
 // The room step/ plays one tick of bodies: what acts on them, how many substeps the tick takes, the integration in
-// plain code and in lanes, whether the result is sound, and which bodies may sleep. Which bodies are stepped together
-// is for World to decide.
+// plain code (that in lanes is in packs/), whether the result is sound, and which bodies may sleep. Which bodies are
+// stepped together is for World to decide.
 #pragma once
 
 #include <algorithm>

@@ -11,8 +11,8 @@
 #include "server/physics/methods/integrator_step.h"
 #include "server/physics/model/state.h"
 #include "server/physics/model/survey.h"
+#include "server/physics/packs/batch_step.h"
 #include "server/physics/shapes/finish_blueprint.h"
-#include "server/physics/step/batch_step.h"
 #include "tests/bench/thread_time.h"
 
 namespace wobble::bench {

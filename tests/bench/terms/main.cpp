@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
+#include "server/physics/packs/batch_step.h"
 #include "server/physics/shapes/ball.h"
 #include "server/physics/shapes/lattice.h"
-#include "server/physics/step/batch_step.h"
 #include "tests/bench/terms/bare.h"
 
 namespace {

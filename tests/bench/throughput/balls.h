@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "server/physics/step/batch_step.h"
+#include "server/physics/packs/batch_step.h"
 #include "tests/bench/throughput/worlds.h"
 
 namespace wobble::bench {

@@ -9,8 +9,8 @@
 #include <random>
 #include <set>
 
+#include "server/physics/meshing/tetrahedral_mesh.h"
 #include "server/physics/methods/elasticity.h"
-#include "server/physics/shapes/tetrahedral_mesh.h"
 #include "server/physics/world.h"
 #include "tests/physics/bodies.h"
 

@@ -1,6 +1,6 @@
 // A slot is a place and a plane that any body of the pack may touch there; it has a number for every lane. Lanes
 // without that contact get an offset far below, so that the kernel needs no mask.
-#include "server/physics/step/pack_planes.h"
+#include "server/physics/packs/pack_planes.h"
 
 #include <algorithm>
 

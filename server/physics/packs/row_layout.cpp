@@ -1,6 +1,6 @@
 // Filling and reading are plain copies, since vertices of a row stand one after the other in the body already. A torn
 // spring is one without coefficients: its rows are made anew when a pack is filled from a body that has torn.
-#include "server/physics/step/row_layout.h"
+#include "server/physics/packs/row_layout.h"
 
 namespace wobble::physics {
 namespace {

@@ -1,12 +1,12 @@
 // Boxes of whole cubes, and what boxes and filled surfaces share. Inside, four tetrahedra stand round the line between
 // two neighbouring centres, one on each edge of the side that the cubes share. Where a cube has no neighbour, the
 // pyramid from its centre to that side is cut in two, along diagonals that alternate so that none is favoured.
-#include "server/physics/shapes/tetrahedral_mesh.h"
+#include "server/physics/meshing/tetrahedral_mesh.h"
 
 #include <algorithm>
 #include <map>
 
-#include "server/physics/shapes/centred_lattice.h"
+#include "server/physics/meshing/centred_lattice.h"
 
 namespace wobble::physics {
 namespace {

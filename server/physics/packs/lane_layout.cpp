@@ -1,6 +1,6 @@
 // Filling and reading a pack goes vertex by vertex through all bodies, a block of lanes at a time by transposition in
 // registers. Body by body, it would go through the whole pack once for each body.
-#include "server/physics/step/lane_layout.h"
+#include "server/physics/packs/lane_layout.h"
 
 #include <cstddef>
 #include <utility>

@@ -1,7 +1,7 @@
 // Distances and normals come from plain code, one contact after the other, since surfaces differ; the kernel computes
 // the forces. After a substep Update reads the points of the new state, and the first stage of the next substep, which
 // is at the same state, reuses them.
-#include "server/physics/step/pack_contacts.h"
+#include "server/physics/packs/pack_contacts.h"
 
 #include <algorithm>
 #include <cmath>

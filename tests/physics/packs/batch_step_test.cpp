@@ -1,6 +1,6 @@
 // Compares bodies stepped in lanes with the plain reference, and checks that the bits do not depend on the number of
 // lanes.
-#include "server/physics/step/batch_step.h"
+#include "server/physics/packs/batch_step.h"
 
 #include <gtest/gtest.h>
 

@@ -9,8 +9,8 @@
 #include <variant>
 #include <vector>
 
-#include "server/physics/step/lane_layout.h"
-#include "server/physics/step/row_layout.h"
+#include "server/physics/packs/lane_layout.h"
+#include "server/physics/packs/row_layout.h"
 
 namespace wobble::physics {
 

@@ -1,13 +1,13 @@
 // The half of a pack that does not depend on its layout: its arrays, the forces from outside the sweep, contacts with
 // static surfaces and the error estimate.
-#include "server/physics/step/pack.h"
+#include "server/physics/packs/pack.h"
 
 #include <cmath>
 #include <utility>
 
 #include "server/physics/methods/recovery.h"
-#include "server/physics/step/lane_layout.h"
-#include "server/physics/step/row_layout.h"
+#include "server/physics/packs/lane_layout.h"
+#include "server/physics/packs/row_layout.h"
 
 namespace wobble::physics {
 

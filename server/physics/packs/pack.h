@@ -30,9 +30,9 @@
 #include <vector>
 
 #include "server/physics/kernels/kernels.h"
+#include "server/physics/packs/pack_contacts.h"
+#include "server/physics/packs/pack_planes.h"
 #include "server/physics/step/body_system.h"
-#include "server/physics/step/pack_contacts.h"
-#include "server/physics/step/pack_planes.h"
 
 namespace wobble::physics {
 

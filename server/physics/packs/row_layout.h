@@ -2,7 +2,7 @@
 // grid, a place is a row (kernels/grid.h). So a lone body fills whole vectors.
 #pragma once
 
-#include "server/physics/step/pack.h"
+#include "server/physics/packs/pack.h"
 
 namespace wobble::physics {
 

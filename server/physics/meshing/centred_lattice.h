@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "server/physics/meshing/tetrahedral_mesh.h"
 #include "server/physics/model/vector.h"
-#include "server/physics/shapes/tetrahedral_mesh.h"
 
 namespace wobble::physics {
 

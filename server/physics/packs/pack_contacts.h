@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "server/physics/kernels/contact/contact_lanes.h"
+#include "server/physics/packs/pack_planes.h"
 #include "server/physics/step/member.h"
-#include "server/physics/step/pack_planes.h"
 
 namespace wobble::physics {
 

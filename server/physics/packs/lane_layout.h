@@ -1,7 +1,7 @@
 // The layout of a pack of bodies side by side: lane l of every vector is body l, a place is a vertex (kernels/sweep.h).
 #pragma once
 
-#include "server/physics/step/pack.h"
+#include "server/physics/packs/pack.h"
 
 namespace wobble::physics {
 

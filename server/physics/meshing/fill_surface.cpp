@@ -14,8 +14,8 @@
 #include <optional>
 #include <utility>
 
-#include "server/physics/shapes/centred_lattice.h"
-#include "server/physics/shapes/tetrahedral_mesh.h"
+#include "server/physics/meshing/centred_lattice.h"
+#include "server/physics/meshing/tetrahedral_mesh.h"
 
 namespace wobble::physics {
 namespace {

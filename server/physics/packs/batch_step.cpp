@@ -1,7 +1,7 @@
 // Differs from the plain step (island_step.cpp) only in how a try is integrated; both ask IslandTick what to do next.
 // Only the first try is shared by the whole batch: the few islands that have to be stepped again, each with its own
 // number of substeps, get packs of their own.
-#include "server/physics/step/batch_step.h"
+#include "server/physics/packs/batch_step.h"
 
 #include <algorithm>
 #include <functional>
