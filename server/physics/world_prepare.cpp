@@ -41,12 +41,11 @@ constexpr double kMostReachesPerTick = 64;
 template <class Real>
 bool IsToRecover(const Surroundings& surroundings, const Coefficients<Real>& coefficients, const Body& body,
                  const State<Real>& state) {
-  if (std::ranges::any_of(state.torn, [](std::uint8_t torn) { return torn != 0; })) return false;
   // One tick in lostTicks may be World::SetMotion's.
   const bool isLookDue = coefficients.aim.afterInsideOut
                              ? body.invertedTicks > 0 || body.lostTicks > 1
                              : body.lostTicks > 0 || (surroundings.tick + body.id) % kFoldLookTicks == 0;
-  if (!isLookDue) return false;
+  if (!isLookDue || std::ranges::any_of(state.torn, [](std::uint8_t torn) { return torn != 0; })) return false;
   return HasLostShape<Real>(coefficients, state.positions);
 }
 
