@@ -150,8 +150,7 @@ Blueprint MakeBall(const BallDefinition& definition) {
     const double tolerance = 1e-10 * material.stiffness * meanLength * blueprint.full.inverseMasses[0];
     (void)RelaxRest(blueprint, tolerance, 4000);
     FinishBlueprint(blueprint);
-    SetAim(blueprint);
-    blueprint.full.aim.afterInsideOut = blueprint.single.aim.afterInsideOut = true;
+    SetAim(blueprint, true);
   }
   return blueprint;
 }

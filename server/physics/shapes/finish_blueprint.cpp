@@ -284,7 +284,7 @@ void SetCells(Blueprint& blueprint, Cells<double> cells) {
   blueprint.single.cells = ToSingle(blueprint.full.cells);
 }
 
-void SetAim(Blueprint& blueprint) {
+void SetAim(Blueprint& blueprint, bool afterInsideOut) {
   // Of the square of the body's largest frequency. The aim is farther than an edge is long, so less than 1 overcomes
   // what holds a fold: of 400 broken rings of several layers 338 came back with 0.03, 390 with 0.1 and 393 with 0.3,
   // when rings that are too soft to carry themselves were still accepted.
@@ -293,7 +293,8 @@ void SetAim(Blueprint& blueprint) {
   // Critical, but for half of what the other terms leave of the rate that kMaxSubsteps can hold at most.
   const double room = kTickHz * kMaxSubsteps * kStabilityLimit - blueprint.dampingRate - blueprint.full.cells.damping;
   const double damping = std::min(2 * std::sqrt(squareFrequency), std::max(0.0, room / 2));
-  blueprint.full.aim = {.rest = blueprint.rest, .squareFrequency = squareFrequency, .damping = damping};
+  blueprint.full.aim = {
+      .rest = blueprint.rest, .squareFrequency = squareFrequency, .damping = damping, .afterInsideOut = afterInsideOut};
   blueprint.single.aim = blueprint.full.aim;
 }
 

@@ -32,7 +32,8 @@ void SetIntegrator(Blueprint& blueprint, Integrator integrator);
 void SetCells(Blueprint& blueprint, Cells<double> cells);
 
 // Makes the rest shape what the body recovers to, in both precisions. To be called after FinishBlueprint and SetCells.
-void SetAim(Blueprint& blueprint);
+// afterInsideOut: of ShapeAim.
+void SetAim(Blueprint& blueprint, bool afterInsideOut = false);
 
 // Range and default of `magnetic_strength`, N·m².
 inline constexpr double kMinMagneticStrength = 1e-7;
